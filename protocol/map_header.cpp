@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/check.h"
+#include "protocol/bound_to_float.h"
 
 namespace seaway::protocol {
 
@@ -23,7 +24,7 @@ std::array<std::uint8_t, map_header_bytes> map_header(const sea::MapRequest& req
     put(static_cast<std::uint64_t>(request.columns), 4);
     put(static_cast<std::uint64_t>(request.rows), 4);
     put(static_cast<std::uint64_t>(sea::map_components(request.kind)), 4);
-    put(std::bit_cast<std::uint32_t>(static_cast<float>(error_m)), 4);
+    put(std::bit_cast<std::uint32_t>(bound_to_float(error_m)), 4);
     for (const double value : {request.x0_m, request.y0_m, request.width_m, request.height_m})
         put(std::bit_cast<std::uint64_t>(value), 8);
     put(static_cast<std::uint64_t>(request.time_us), 8);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "protocol/bound_to_float.h"
 #include "protocol/limits.h"
 
 namespace seaway::protocol {
@@ -85,14 +86,6 @@ bool lists_aligned(const wire::Message& message) {
         break;
     }
     return true;
-}
-
-/// A bound may be widened on its way into a float, never narrowed.
-float bound_to_float(double bound) {
-    const auto nearest = static_cast<float>(bound);
-    return static_cast<double>(nearest) < bound
-               ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
-               : nearest;
 }
 
 } // namespace

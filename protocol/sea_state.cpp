@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SeaState to bytes and back (protocol/messages.h).
+#include "protocol/bound_to_float.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 
@@ -19,9 +20,8 @@ SeaNumbers from_wire(const wire::SeaNumbers* n) {
 
 wire::CascadeLoss to_wire(const sea::CascadeLoss& loss) {
     const sea::MapLoss &h = loss.height, &d = loss.displacement;
-    return {static_cast<float>(h.time_m),  static_cast<float>(h.east_m),
-            static_cast<float>(h.north_m), static_cast<float>(d.time_m),
-            static_cast<float>(d.east_m),  static_cast<float>(d.north_m)};
+    return {bound_to_float(h.time_m), bound_to_float(h.east_m), bound_to_float(h.north_m),
+            bound_to_float(d.time_m), bound_to_float(d.east_m), bound_to_float(d.north_m)};
 }
 
 sea::CascadeLoss from_wire(const wire::CascadeLoss& loss) {

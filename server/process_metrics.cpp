@@ -3,7 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <optional>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -24,14 +24,20 @@ double process_cpu_s() {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+std::optional<double> open_files() {
+    std::error_code error;
+    double count = 0;
+    for (std::filesystem::directory_iterator file("/proc/self/fd", error), end;
+         !error && file != end; file.increment(error))
+        ++count;
+    return error ? std::nullopt : std::optional(count);
+}
+
 std::string process_metrics_text() {
     rlimit files{};
     getrlimit(RLIMIT_NOFILE, &files);
     double pages = 0, resident_pages = 0;
     std::ifstream("/proc/self/statm") >> pages >> resident_pages;
-    std::error_code none;
-    const auto open_files =
-        std::distance(std::filesystem::directory_iterator("/proc/self/fd", none), {});
 
     std::string text;
     const auto add = [&text](const char* name, const char* type, const char* help, double value) {
@@ -42,7 +48,9 @@ std::string process_metrics_text() {
         process_cpu_s());
     add("resident_memory_bytes", "gauge", "Memory that is held.",
         resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
-    add("open_fds", "gauge", "Open files and connections.", static_cast<double>(open_files));
+    if (const std::optional<double> count =
+            open_files()) // none: it would take one more to count them
+        add("open_fds", "gauge", "Open files and connections.", *count);
     add("max_fds", "gauge", "How many there may be.", static_cast<double>(files.rlim_cur));
     return text;
 }

@@ -31,8 +31,11 @@ std::vector<FileReadAgain> StartFiles::look() const {
     std::vector<FileReadAgain> all;
     const Result<void> journal = check_journal_place(journal_);
     const auto is_broken = [&journal](const File& file) {
-        return !journal && !file.option.empty() &&
-               journal.error().message.starts_with(file.option + " " + file.path + ":");
+        if (journal || file.option.empty())
+            return false;
+        const std::string& why = journal.error().message;
+        const std::string it = file.option + " " + file.path;
+        return why.find(it + ":") != std::string::npos || why.starts_with(it + " with ");
     };
     for (const File& file : files_) {
         const std::optional<std::uint64_t> now = fingerprint_of(file.path);

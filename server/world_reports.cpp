@@ -294,7 +294,10 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("sea_pace_ratio", "gauge", "How fast the sea runs: 1 as clocks do, 0 paused.",
         at.pace_permille / static_cast<double>(sea::pace_unit));
     add("sea_clock_behind_seconds", "gauge",
-        "How far the sea's clock is behind UTC since the epoch; it is pulled by 1 ms a second.",
+        fmt::format(
+            "How far the sea's clock is behind UTC since the epoch; it is pulled by {} ms a "
+            "second.",
+            1000.0 / SeaClock::pull_parts),
         sea::seconds_from_us(at.behind_us));
     add("plan_idle", "gauge", "1 while nobody asks for anything.", plan.idle());
     add("dispatches_total", "counter", "Kernels started.", whole(counters.synthesis.dispatches));

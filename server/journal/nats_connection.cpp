@@ -68,7 +68,9 @@ Result<void> set_tls(natsOptions* options, const NatsPlace& place) {
                          natsOptions_LoadCATrustedCertificates(options, place.ca_file.c_str())));
     if (place.cert_file.empty())
         return {};
-    return with_file("--journal-tls-cert", place.cert_file,
+    // One call, which does not say of which.
+    return with_file("--journal-tls-cert",
+                     place.cert_file + " with --journal-tls-key " + place.key_file,
                      natsOptions_LoadCertificatesChain(options, place.cert_file.c_str(),
                                                        place.key_file.c_str()));
 }

@@ -73,7 +73,7 @@ void NatsPeers::exchange() {
             status = natsConnection_Publish(*connection, subject_.c_str(), word.data(),
                                             static_cast<int>(word.size()));
             if (status == NATS_OK)
-                status = natsConnection_Flush(*connection);
+                status = natsConnection_FlushTimeout(*connection, nats_patience_ms);
         }
         natsMsg* heard = nullptr;
         if (status == NATS_OK)

@@ -64,8 +64,8 @@ Result<void> SharedJournal::begin(const Beginning& beginning) {
     }
     const std::int64_t asked_us = options_.steady();
     SEAWAY_TRY_LET(tail, catch_up());
-    if (tail.last == 0)
-        return Error{"it does not keep what is written to it"};
+    if (tail.last == 0) // who leads now has not come to it yet, or it is not one that keeps
+        return Error{LogFailure::unanswered, "it does not keep what is written to it"};
     known_us_ = asked_us; // until it listens, whoever leads has settled as well
     heard(asked_us, tail);
     return {};

@@ -173,8 +173,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             return head_only() ? announce_map(asked.parameters, request.keep_alive())
                                : serve_map(std::move(slot_), std::move(socket_), std::move(peer_),
                                            std::move(asked.parameters));
-        respond(page_for(core(), text(request.method_string()), asked.path, health_only),
-                head_only(), request.keep_alive());
+        const Page page = page_for(core(), text(request.method_string()), asked.path, health_only);
+        if (!health_only) // who watches a server at its own address is not to miss anything
+            peer_.address->request_bytes.take(page.price_bytes, Clock::now());
+        respond(page, head_only(), request.keep_alive());
     }
 
     /// HEAD: nothing of the map is made.

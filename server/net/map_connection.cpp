@@ -172,7 +172,7 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
         here_ = nullptr;
         // Its threads end in their own time, and its place comes back when they have.
         if (map_)
-            core().map_places.ends();
+            core().map_places.ends(place_);
         if (map_)
             core().disposal.take(
                 std::make_shared<std::pair<MapPlaces::Place, std::unique_ptr<ByteSource>>>(

@@ -45,12 +45,12 @@ void MapPlaces::stop() {
 
 MapPlaces::Place MapPlaces::place(const std::shared_ptr<State>& state) {
     ++state->taken;
-    return Place(state.get(), [state](void*) { state->post([state] { gave_back(state); }); });
+    return Place(state.get(), GiveBack{state});
 }
 
-void MapPlaces::gave_back(const std::shared_ptr<State>& state) {
+void MapPlaces::gave_back(const std::shared_ptr<State>& state, bool had_ended) {
     --state->taken;
-    state->ending = std::max(state->ending - 1, 0);
+    state->ending -= had_ended;
     if (state->waiting.empty() || state->taken >= state->most)
         return;
     const Begin begin = std::move(state->waiting.front());

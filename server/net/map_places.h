@@ -43,8 +43,11 @@ class MapPlaces {
     /// For as long as it lives it may be asked to give way.
     void reads(std::weak_ptr<MapReader> reader);
 
-    /// One of the places will come back soon.
-    void ends() { ++state_->ending; }
+    /// That place will come back soon.
+    void ends(const Place& place) {
+        ++state_->ending;
+        std::get_deleter<GiveBack>(place)->ends = true;
+    }
 
     /// Those who wait are forgotten.
     void stop();
@@ -57,8 +60,15 @@ class MapPlaces {
         std::deque<Begin> waiting;
         Post post;
     };
+    struct GiveBack {
+        std::shared_ptr<State> state;
+        bool ends = false;
+        void operator()(void*) const {
+            state->post([state = state, ends = ends] { gave_back(state, ends); });
+        }
+    };
     static Place place(const std::shared_ptr<State>& state);
-    static void gave_back(const std::shared_ptr<State>& state);
+    static void gave_back(const std::shared_ptr<State>& state, bool had_ended);
 
     const std::shared_ptr<State> state_;
     std::vector<std::weak_ptr<MapReader>> readers_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,6 +21,10 @@ struct Route {
 };
 
 constexpr const char* prometheus = "text/plain; version=0.0.4; charset=utf-8";
+
+Page made(const char* content_type, std::string body) {
+    return {.content_type = content_type, .body = std::move(body), .price_bytes = page_price_bytes};
+}
 
 const std::array<Route, 8> routes{{
     {"/", false,
@@ -56,20 +61,12 @@ const std::array<Route, 8> routes{{
      }},
     {"/metrics", true,
      [](Core& core) {
-         return Page{200,
-                     prometheus,
+         return made(prometheus,
                      core.host.metrics_text() + core.memory->metrics_text() +
-                         metrics_text(core.counters, core.gauges(), core.encoding.counters()),
-                     {}};
+                         metrics_text(core.counters, core.gauges(), core.encoding.counters()));
      }},
-    {"/v1/state", false,
-     [](Core& core) {
-         return Page{200, json, core.host.state_json(), {}};
-     }},
-    {"/v1/plan", false,
-     [](Core& core) {
-         return Page{200, json, core.host.plan_json(), {}};
-     }},
+    {"/v1/state", false, [](Core& core) { return made(json, core.host.state_json()); }},
+    {"/v1/plan", false, [](Core& core) { return made(json, core.host.plan_json()); }},
 }};
 
 } // namespace

@@ -24,7 +24,13 @@ struct Page {
     /// Of a body that HEAD tells of and that is not made.
     std::optional<std::uint64_t> announced_bytes = {};
     int retry_after_s = 0; ///< the same may be asked again after so long; 0: nothing is said
+    /// What it takes of its address's share of requests, beside what was sent for it.
+    double price_bytes = 0;
 };
+
+/// Of a page that is made when it is asked for: a millisecond of the network's thread at most. A thousand in a second are an
+/// address's share, unless that was changed.
+inline constexpr double page_price_bytes = 32 * 1024;
 
 /// With a client token, everything but /healthz, /readyz, the shell of the status page and the stream, whose
 /// Hello may bring it, is for those who bring that one, or the administrator's, as "Authorization: Bearer

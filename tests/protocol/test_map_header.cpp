@@ -39,5 +39,16 @@ TEST(MapHeader, is_64_bytes_little_endian_as_documented) {
         std::all_of(bytes.begin() + 57, bytes.end(), [](auto byte) { return byte == 0xFF; }));
 }
 
+// Naive: rounded to the nearest float a bound is broken by half a step of it.
+TEST(MapHeader, a_bound_is_never_narrowed) {
+    for (const double error_m : {0.1, 0.003, 1.0 / 3.0, 0.25, 1e-30}) {
+        const auto bytes = map_header({}, error_m);
+        float stated_m = 0;
+        std::memcpy(&stated_m, bytes.data() + 20, sizeof stated_m);
+        EXPECT_GE(static_cast<double>(stated_m), error_m);
+        EXPECT_LE(static_cast<double>(stated_m), error_m * (1 + 1e-6));
+    }
+}
+
 } // namespace
 } // namespace seaway::protocol

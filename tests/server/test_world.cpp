@@ -361,7 +361,7 @@ TEST(MapRequests, each_is_taken_up_to_its_limits_and_refused_by_name_and_value_b
         std::vector<std::string> within, beyond;
     };
     for (const Limits& row : {Limits{"kind", {"height", "displacement", "normal"}, {"foam", ""}},
-                              {"x0_m", {"1e9", "-1e9"}, {"1.01e9", "-1.01e9", "nan"}},
+                              {"x0_m", {"1e9", "-1e9", "1e-400"}, {"1.01e9", "-1e999", "nan"}},
                               {"y0_m", {"1e9", "-1e9"}, {"1.01e9", "-1.01e9", "nan"}},
                               {"width_m", {"1e6", "1e-3"}, {"1.01e6", "0", "-5", "nan", "inf"}},
                               {"height_m", {"1e6", "1e-3"}, {"1.01e6", "0", "-5", "nan", "inf"}},
@@ -374,6 +374,21 @@ TEST(MapRequests, each_is_taken_up_to_its_limits_and_refused_by_name_and_value_b
         for (const std::string& value : row.beyond)
             expect(row.name, value, false);
     }
+}
+
+// Naive: what no integer, or no double, can hold is called no number.
+TEST(MapRequests, a_number_however_far_beyond_its_range_is_refused_with_that_range) {
+    for (const auto& [name, value, range] : {std::tuple{"columns", "99999999999", "1 .. 4096"},
+                                             {"rows", "-99999999999", "1 .. 4096"},
+                                             {"x0_m", "1e999", "-1e9 .. 1e9"},
+                                             {"t_s", "-1e999", "1000000000000"}}) {
+        const auto request = read_map_request(with(some_map, name, value), 0);
+        ASSERT_FALSE(request) << name;
+        EXPECT_NE(request.error().message.find(range), std::string::npos)
+            << request.error().message;
+        EXPECT_NE(request.error().message.find(name), std::string::npos);
+    }
+    EXPECT_TRUE(read_map_request(with(some_map, "t_s", "1e-400"), 0)) << "which is 0";
 }
 
 // Without t_s a map is of now, and its header says so in its last eight bytes.

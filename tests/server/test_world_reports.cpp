@@ -3,6 +3,7 @@
 // figures of this sea are equal, east is not north and the first cascade is not the second.
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 
 #include "sea/certificate/certificate.h"
 #include "sea/waves/probes.h"
@@ -363,6 +364,20 @@ TEST(PlanJson, every_field_is_that_of_the_plan_and_of_what_was_measured) {
             {"transforms_per_keyframe", 19}}}},
          {"done",
           {{"dispatches", 3}, {"transforms", 5}, {"keyframes", 7}, {"device_seconds", 11.5}}}});
+}
+
+// Naive: who cannot open the list of what is open finds nothing open, just when it matters.
+TEST(ProcessMetrics, leave_out_what_is_not_known) {
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    rlimit none = before;
+    none.rlim_cur = 0;
+    setrlimit(RLIMIT_NOFILE, &none);
+    const std::string text = process_metrics_text();
+    setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(text.find("process_open_fds"), std::string::npos) << text;
+    EXPECT_NE(text.find("process_max_fds 0\n"), std::string::npos) << text;
+    EXPECT_NE(process_metrics_text().find("\nprocess_open_fds "), std::string::npos);
 }
 
 } // namespace

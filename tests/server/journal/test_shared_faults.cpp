@@ -342,7 +342,7 @@ TEST_F(SharedFaults, a_look_for_which_there_is_no_memory_is_made_up_for_by_the_n
 }
 
 /// Of one message, and for some looks of no memory.
-class ForgetfulLog final : public SharedLog {
+class ForgetfulLog : public SharedLog {
   public:
     explicit ForgetfulLog(std::atomic<int>& fails) : fails_(fails) {}
     Result<Tail> tail() override {
@@ -360,10 +360,38 @@ class ForgetfulLog final : public SharedLog {
     }
     void connect_no_more() override {}
 
+  protected:
+    std::string message_;
+
   private:
     std::atomic<int>& fails_;
-    std::string message_;
 };
+
+/// Who leads it has not come to what was written when it is asked first.
+class SlowLog final : public ForgetfulLog {
+  public:
+    using ForgetfulLog::ForgetfulLog;
+    Result<Tail> tail() override {
+        if (!message_.empty() && !asked_) {
+            asked_ = true;
+            return Tail{};
+        }
+        return ForgetfulLog::tail();
+    }
+
+  private:
+    bool asked_ = false;
+};
+
+// Naive: an error without a kind ends the server for good, and its service manager does not start it again.
+TEST(SharedJournal, a_beginning_that_is_not_shown_yet_is_asked_for_again) {
+    std::atomic<int> fails = 0;
+    const auto journal =
+        SharedJournal::open(std::make_unique<SlowLog>(fails), beginning,
+                            {"log", "writer", SeaClock::steady_now_us, SeaClock::utc_now_us});
+    ASSERT_FALSE(journal);
+    EXPECT_TRUE(journal.error().is(JournalError::unknown)) << journal.error().message;
+}
 
 TEST(SharedJournalThread, goes_on_after_looks_for_which_there_was_no_memory) {
     std::atomic<int> fails = 0;

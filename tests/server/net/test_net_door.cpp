@@ -29,8 +29,9 @@ class NetDoor : public NetTest {
     }
     /// What the server says at `target` with the right token.
     double counted(const std::string& name, const std::string& token = {}) {
+        const int from = net->health_port() > 0 ? net->health_port() : port();
         const std::string text =
-            ask_http(port(), "/metrics", "GET", token.empty() ? "" : "Bearer " + token, "127.0.0.9")
+            ask_http(from, "/metrics", "GET", token.empty() ? "" : "Bearer " + token, "127.0.0.9")
                 .body;
         const std::size_t at = text.find("\n" + name + " ");
         return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
@@ -322,7 +323,21 @@ TEST_F(NetDoor, a_body_in_an_unknown_coding_hides_no_second_request) {
     EXPECT_EQ(status("http://evil.example/v1/state"), 421);
 }
 
+// Naive: 60 bytes that have half a millisecond of the network's thread spent on them are counted as 60 bytes.
+TEST_F(NetDoor, pages_that_are_made_are_of_the_share_of_who_asks_and_not_for_who_watches) {
+    options.health_listen = "127.0.0.1:0";
+    options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once: four pages
+    start();
+    for (int i = 0; i < 20; ++i)
+        EXPECT_EQ(ask_http(net->health_port(), "/metrics", "GET").status, 200);
+    EXPECT_EQ(counted("seaway_net_reads_delayed_total"), 0);
+    for (int i = 0; i < 7; ++i)
+        EXPECT_EQ(get("/v1/state").status, 200);
+    EXPECT_GE(counted("seaway_net_reads_delayed_total"), 1);
+}
+
 TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_the_same) {
+    options.health_listen = "127.0.0.1:0";
     options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once
     start();
     const auto client = greeted();
@@ -339,6 +354,7 @@ TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_th
 
 // Frames of no message, and parts of one that never ends: what they hold is next to nothing, and each has to be looked at.
 TEST_F(NetDoor, an_address_that_sends_many_empty_frames_is_read_later_too) {
+    options.health_listen = "127.0.0.1:0";
     options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once
     start();
     double delayed = 0;

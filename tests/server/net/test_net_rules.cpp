@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the head of a request is read, which pages may use the server, and what one address may take: as
 // functions, without sockets and with a clock that is handed in.
+#include <deque>
+#include <functional>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "server/net/addresses.h"
 #include "server/net/http_head.h"
+#include "server/net/map_places.h"
 #include "server/net/waiting_line.h"
 
 namespace seaway::server {
@@ -229,6 +234,38 @@ TEST(Addresses, what_is_used_up_comes_back_evenly_and_no_further_than_its_burst)
     Bucket none(0, seconds(60));
     none.take(1e9, now);
     EXPECT_EQ(none.wait_for(1, now).count(), 0) << "0 is no limit";
+}
+
+// Naive: whichever place comes back counts as the one that was ending, and who could have waited for that is refused.
+TEST(MapPlaces, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) {
+    std::deque<std::function<void()>> posted;
+    MapPlaces places(2,
+                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    const auto settle = [&] {
+        for (; !posted.empty(); posted.pop_front())
+            posted.front()();
+    };
+    std::vector<MapPlaces::Place> held;
+    const auto ask = [&] {
+        return places.ask([&](MapPlaces::Place place) { held.push_back(std::move(place)); });
+    };
+    ASSERT_TRUE(ask());
+    MapPlaces::Place ending = std::move(held.back());
+    held.clear();
+    places.ends(ending);
+    ASSERT_TRUE(ask());
+    held.clear(); // refused, it never was a map
+    settle();
+    ASSERT_TRUE(ask()) << "the other place";
+    ASSERT_TRUE(ask()) << "that of the one that ends";
+    EXPECT_EQ(held.size(), 1u);
+    EXPECT_FALSE(ask()) << "and no third";
+    ending.reset();
+    settle();
+    EXPECT_EQ(held.size(), 2u);
+    held.clear();
+    settle();
+    places.stop();
 }
 
 TEST(Addresses, are_forgotten_when_nothing_is_to_be_remembered_of_them) {
