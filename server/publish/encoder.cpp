@@ -96,11 +96,9 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            Room* streamed) {
     SEAWAY_CHECK(codec_error.size() == static_cast<std::size_t>(keyframe.fields.size()),
                  "one codec bound for each field of a keyframe");
-    if (streamed != nullptr)
-        forget_bases(keyframe.time_us - base_age_us_max);
     const EncodedKeyframePtr known = find(keyframe, quality);
     if (streamed != nullptr && !known)
-        forget_unused(keyframe.cascade, quality);
+        forget_what_is_over(keyframe, quality);
     const std::uint64_t number = known ? known->number : next_number_++;
     const auto encoded = std::make_shared<EncodedKeyframe>(
         EncodedKeyframe{number, keyframe.epoch, keyframe.cascade, keyframe.time_us, quality});
@@ -210,10 +208,6 @@ void Encoder::keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& 
                       std::move(place)});
 }
 
-void Encoder::forget_bases(sea::TimeUs before_us) {
-    std::erase_if(bases_, [&](const Base& one) { return one.time_us < before_us; });
-}
-
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,
                                            float error, std::uint64_t number,
                                            const CompactTiles& compact, Step* step) {
@@ -308,10 +302,12 @@ void Encoder::remember(EncodedKeyframePtr encoded) {
         bases_.pop_front();
 }
 
-void Encoder::forget_unused(int cascade, Quality quality) {
-    const std::uint64_t now = ++streamed_[{cascade, quality}];
+void Encoder::forget_what_is_over(const sea::Keyframe& next, Quality quality) {
+    std::erase_if(bases_,
+                  [&](const Base& one) { return one.time_us < next.time_us - base_age_us_max; });
+    const std::uint64_t now = ++streamed_[{next.cascade, quality}];
     std::erase_if(cache_, [&](const Remembered& held) {
-        return held.keyframe->cascade == cascade && held.keyframe->quality == quality &&
+        return held.keyframe->cascade == next.cascade && held.keyframe->quality == quality &&
                held.used + unused_max < now;
     });
 }

@@ -111,8 +111,9 @@ class Encoder {
     /// What is remembered of it, which is used now.
     EncodedKeyframePtr find(const sea::Keyframe& keyframe, Quality quality);
     void remember(EncodedKeyframePtr encoded);
-    /// One more is streamed: what was not used since `unused_max` before is forgotten.
-    void forget_unused(int cascade, Quality quality);
+    /// One more is streamed: what was not used since `unused_max` before it is forgotten, and so are bases of seas
+    /// that are over.
+    void forget_what_is_over(const sea::Keyframe& next, Quality quality);
     /// The linear maps of these fields on the smaller grid.
     sea::Keyframe compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size);
 
@@ -154,7 +155,6 @@ class Encoder {
     Result<EncodedField> encode_field(const sea::Keyframe& keyframe, sea::Field field, float error,
                                       std::uint64_t number, const CompactTiles& compact,
                                       Step* step);
-    void forget_bases(sea::TimeUs before_us);
     void count(const EncoderCounters& more);
     /// Of 8 cascades of two seas at four qualities.
     static constexpr std::size_t bases_max = 64;
