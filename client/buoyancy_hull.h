@@ -174,9 +174,38 @@ static inline const char* seaway_hull_parts_fault(const seaway_hull* hull) {
     return NULL;
 }
 
+/* Over a closed surface the integral of dA is 0, and that of arm dA the volume along the diagonal and 0 beside it. Holes that
+ * face each other leave the first as it is, and no two leave the second. The arms are from a corner of the mesh: what is far
+ * from the origin is closed as well. */
+static inline int seaway_is_closed(const seaway_hull* hull) {
+    const size_t first = hull->triangles[0];
+    const double* near_m = hull->vertices_m + 3 * first;
+    double open_m2[3] = {0, 0, 0}, surface_m2 = 0, around_m3 = 0, area_m2[3], arm_m[3];
+    double moment_m3[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    for (size_t i = 0; i < hull->triangle_count; ++i) {
+        seaway_triangle(hull, i, area_m2);
+        for (int axis = 0; axis < 3; ++axis)
+            arm_m[axis] = -near_m[axis];
+        for (size_t j = 0; j < 3; ++j) {
+            const size_t v = hull->triangles[3 * i + j];
+            seaway_add(arm_m, 1.0 / 3, hull->vertices_m + 3 * v);
+        }
+        for (int axis = 0; axis < 3; ++axis)
+            seaway_add(moment_m3[axis], arm_m[axis], area_m2);
+        seaway_add(open_m2, 1, area_m2);
+        surface_m2 += seaway_length(area_m2);
+        around_m3 += seaway_length(arm_m) * seaway_length(area_m2);
+    }
+    const double volume_m3 = (moment_m3[0][0] + moment_m3[1][1] + moment_m3[2][2]) / 3;
+    int closed = seaway_length(open_m2) <= 1e-6 * surface_m2;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            closed = closed && fabs(moment_m3[i][j] - (i == j ? volume_m3 : 0)) <= 1e-6 * around_m3;
+    return closed;
+}
+
 static inline const char* seaway_hull_fault(const seaway_hull* hull) {
     const char* fault = seaway_hull_numbers_fault(hull);
-    double open_m2[3] = {0, 0, 0}, surface_m2 = 0, area_m2[3];
     if (!fault)
         fault = seaway_hull_parts_fault(hull);
     if (fault)
@@ -184,12 +213,7 @@ static inline const char* seaway_hull_fault(const seaway_hull* hull) {
     for (size_t i = 0; i < 3 * hull->triangle_count; ++i)
         if (hull->triangles[i] >= hull->vertex_count)
             return "a triangle has a corner that is no vertex";
-    for (size_t i = 0; i < hull->triangle_count; ++i) {
-        seaway_triangle(hull, i, area_m2);
-        seaway_add(open_m2, 1, area_m2);
-        surface_m2 += seaway_length(area_m2);
-    }
-    if (!(seaway_length(open_m2) <= 1e-6 * surface_m2))
+    if (hull->triangle_count > 0 && !seaway_is_closed(hull))
         return "the mesh is not closed";
     if (!(seaway_hull_volume_m3(hull) > 0))
         return "it has no volume: triangles are anticlockwise from outside";

@@ -23,11 +23,11 @@ static inline int seaway_take(seaway_words* words, char character) {
     return here;
 }
 
-/* Takes blanks; 1 if a word follows. */
+/* Takes blanks; 1 if a word follows: a comment is none. */
 static inline int seaway_next_word(seaway_words* words) {
     while (seaway_take(words, ' ') || seaway_take(words, '\t') || seaway_take(words, '\r')) {
     }
-    return words->at < words->end;
+    return words->at < words->end && *words->at != '#';
 }
 
 /* A whole number, at most 2^31; 0 if there is none. */

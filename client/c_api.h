@@ -41,6 +41,8 @@ static_assert(sizeof(seaway_point) == sizeof(seaway::sea::QueryPoint) &&
 namespace seaway::client::c {
 
 inline constexpr double timeout_default_s = 10;
+/// No struct of any library has more: a size above it was never set, and that many bytes may not be there to look at.
+inline constexpr uint32_t struct_bytes_max = 4096;
 inline thread_local std::string last_error;
 
 inline seaway_code fail(seaway_code code, std::string why) {
@@ -117,8 +119,9 @@ Result<Struct> sized(const Struct* given, std::size_t least, const char* name) {
     Struct made{};
     if (!given)
         return made;
-    if (given->size < least)
-        return bad(fmt::format("{}: size must be sizeof({})", name, name));
+    if (given->size < least || given->size > struct_bytes_max)
+        return bad(fmt::format("{}: size is {}: it must be sizeof({}), {} here, never above {}",
+                               name, given->size, name, sizeof(Struct), struct_bytes_max));
     const auto* bytes = reinterpret_cast<const unsigned char*>(given);
     for (std::size_t i = sizeof(Struct); i < given->size; ++i)
         if (bytes[i] != 0)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "client/c_api.h"
+#include "protocol/limits.h"
 
 using namespace seaway;
 using namespace seaway::client;
@@ -29,6 +30,8 @@ uint16_t half_of(float value) {
 
 /// What halves of such values are off by, at most.
 double half_error(float largest) {
+    if (largest == 0)
+        return 0;
     return largest < 6.103515625e-5f ? 0x1p-25 : std::ldexp(1.0, std::ilogb(largest) - 11);
 }
 
@@ -94,9 +97,9 @@ seaway_code seaway_get_map(const seaway_client* client, const seaway_map_wish* w
                        sized(wish, map_wish_least, "seaway_map_wish"));
         SEAWAY_TRY(has_room(map, offsetof(seaway_map, error_m), "seaway_map"));
         SEAWAY_TRY_LET(const auto channels, channels_of(wanted));
-        if (wanted.cascade >= 32)
-            return bad(
-                fmt::format("seaway_map_wish.cascade is {}: a sea has 16 at most", wanted.cascade));
+        if (wanted.cascade >= uint32_t{protocol::limits::cascades_max})
+            return bad(fmt::format("seaway_map_wish.cascade is {}: a sea has {} at most",
+                                   wanted.cascade, protocol::limits::cascades_max));
         SEAWAY_TRY_LET(const CascadeMap made, client->client->map(static_cast<int>(wanted.cascade),
                                                                   wanted.time_us, channels));
         const std::size_t texel =

@@ -321,6 +321,49 @@ TEST(Buoyancy, a_hull_without_parts_takes_no_step) {
     EXPECT_EQ(box.ride(still_water, 0, step_s), SEAWAY_BAD_ARGUMENT);
 }
 
+/// Without the two faces that are across this axis.
+void open_along(int axis, Floating& box) {
+    std::vector<std::uint32_t> left;
+    for (size_t i = 0; i < box.hull.triangle_count; ++i) {
+        double area_m2[3];
+        seaway_triangle(&box.hull, i, area_m2);
+        if (area_m2[axis] == 0)
+            left.insert(left.end(), box.triangles + 3 * i, box.triangles + 3 * i + 3);
+    }
+    std::copy(left.begin(), left.end(), box.triangles);
+    box.hull.triangle_count = left.size() / 3;
+}
+
+// Naive: areas that add up to nothing are taken for a closed mesh: those of a tube do as well.
+TEST(Buoyancy, a_hull_without_bow_and_stern_is_not_closed_wherever_it_lies) {
+    for (const double away_m : {0.0, 0.5, -3.0, 1e5})
+        for (int axis = 0; axis < 3; ++axis) {
+            Floating box;
+            for (int i = 0; i < 24; ++i) // no two axes by the same way
+                box.vertices_m[i] += (1 + i % 3) * away_m;
+            EXPECT_EQ(seaway_hull_fault(&box.hull), nullptr) << seaway_hull_fault(&box.hull);
+            open_along(axis, box);
+            ASSERT_EQ(box.hull.triangle_count, 8u);
+            EXPECT_STREQ(seaway_hull_fault(&box.hull), "the mesh is not closed")
+                << axis << ", " << away_m;
+        }
+}
+
+// Naive: the volume is compared by three axes, which a tube askew to all of them leaves the same.
+TEST(Buoyancy, a_tube_along_a_diagonal_is_not_closed) {
+    Floating box;
+    open_along(2, box);
+    const double axes[3][3] = {{1, -1, 0}, {1, 1, -2}, {1, 1, 1}};
+    for (int v = 0; v < 8; ++v) {
+        double turned_m[3] = {0, 0, 0};
+        for (int axis = 0; axis < 3; ++axis)
+            seaway_add(turned_m, box.vertices_m[3 * v + axis] / seaway_length(axes[axis]),
+                       axes[axis]);
+        std::copy(turned_m, turned_m + 3, box.vertices_m + 3 * v);
+    }
+    EXPECT_STREQ(seaway_hull_fault(&box.hull), "the mesh is not closed");
+}
+
 TEST(Buoyancy, a_hull_that_cannot_float_is_told_why) {
     const auto fault = [](const std::function<void(Floating&)>& spoil) {
         Floating box;

@@ -187,7 +187,7 @@ TEST(HullFiles, a_box_of_four_cornered_faces_is_a_box) {
         "# a box\r\no box\nv -2 -1 -.5\nv 2.0 -1 -0.5\nv 2 1 -5e-1\nv -2 +1 -0.5 1.0\n"
         "vn 0 0 1\n\nv -2 -1 500e-3\nv 2 -1 .5\nv 2 1 0.5\nv -2 1 0.5\n"
         "f 1/1/1 4/2/1 3/3/1 2/4/1\nf 5 6 7 8\r\nf 1//1 2//1 6//1 5//1\n"
-        "f -6 -5 -1 -2\nf 1/1 5/2 8/3 4/4\nf 2 3 7 6";
+        "f -6 -5 -1 -2 # the bow\nf 1/1 5/2 8/3 4/4 #\nf 2 3 7 6#";
     std::vector<double> vertices_m;
     std::vector<std::uint32_t> triangles;
     size_t line = 0;

@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include <gtest/gtest.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include "tests/client/engine.h"
 
@@ -45,6 +46,29 @@ TEST_F(Engine, a_question_is_answered_while_the_program_goes_on) {
     while (event.kind != SEAWAY_NOTHING)
         ASSERT_EQ(seaway_poll(client.handle(), 0, &event), SEAWAY_OK);
     EXPECT_EQ(::poll(&waits, 1, 0), 0) << "nothing is left to be told";
+}
+
+// Naive: a size that nobody set is believed, and GiB behind the struct are read.
+TEST_F(Engine, a_size_that_no_struct_has_is_refused) {
+    Sea client(net->url());
+    seaway_wish wish = SEAWAY_SIZED(seaway_wish);
+    for (const std::uint32_t size : {3u, 4097u, 0xccccccccu}) {
+        wish.size = size;
+        EXPECT_THAT(refusal(seaway_subscribe_to(client.handle(), &wish, nullptr)),
+                    testing::HasSubstr(fmt::format("size is {}: it must be sizeof", size)));
+    }
+}
+
+TEST_F(Engine, a_cascade_that_no_sea_has_is_refused) {
+    Sea client(net->url());
+    client.hold({asked_us});
+    seaway_map_wish wish = map_wish();
+    seaway_map map = SEAWAY_SIZED(seaway_map);
+    for (const std::uint32_t beyond : {16u, 31u, 0xffffffffu}) {
+        wish.cascade = beyond;
+        EXPECT_THAT(refusal(seaway_get_map(client.handle(), &wish, nullptr, 0, &map)),
+                    testing::HasSubstr(fmt::format("is {}: a sea has 16 at most", beyond)));
+    }
 }
 
 TEST_F(Engine, a_question_is_pending_until_its_deadline_unless_it_is_cancelled) {
@@ -160,6 +184,13 @@ TEST(Foam, that_was_subscribed_to_alone_has_its_maps) {
     EXPECT_EQ(map.grid, static_cast<std::uint32_t>(tests::wave_map_size));
     EXPECT_EQ(map.length_m, 29);
     EXPECT_EQ(map.error_m, 0);
+    // Naive: heights that are not there are rounded as well.
+    wish.type = SEAWAY_HALF;
+    ASSERT_EQ(get(), SEAWAY_OK) << seaway_last_error();
+    EXPECT_EQ(map.error_m, 0);
+    EXPECT_EQ(map.displacement_error_m, 0);
+    wish.type = SEAWAY_FLOAT;
+    ASSERT_EQ(get(), SEAWAY_OK) << seaway_last_error();
     for (std::size_t i = 0; i < texels.size(); ++i)
         ASSERT_NEAR(texels[i], i % 2 == 0 ? 2.0f : 0.0f, tests::wave_codec_m) << i;
     wish.field[1] = SEAWAY_HEIGHT;
