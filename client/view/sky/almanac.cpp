@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -62,21 +61,29 @@ int days_of(int year, int month) {
     return days[static_cast<std::size_t>(month - 1)] + (month == 2 && leap ? 1 : 0);
 }
 
-bool two_digits(std::string_view text, std::size_t at, char before, int lo, int hi, int& out) {
-    if (text.size() < at + 2 || text[at - 1] != before)
+/// So many digits and nothing else: a sign is none.
+bool whole(std::string_view text, std::size_t at, std::size_t digits, int lo, int hi, int& out) {
+    if (text.size() < at + digits)
         return false;
-    const auto [end, failure] = std::from_chars(&text[at], &text[at] + 2, out);
-    return failure == std::errc{} && end == &text[at] + 2 && out >= lo && out <= hi;
+    out = 0;
+    for (const char c : text.substr(at, digits)) {
+        if (c < '0' || c > '9')
+            return false;
+        out = 10 * out + (c - '0');
+    }
+    return out >= lo && out <= hi;
+}
+
+bool two_digits(std::string_view text, std::size_t at, char before, int lo, int hi, int& out) {
+    return text.size() > at && text[at - 1] == before && whole(text, at, 2, lo, hi, out);
 }
 
 } // namespace
 
 Result<Instant> parse_instant(std::string_view text) {
     int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
-    const bool digits =
-        text.size() >= 4 && std::from_chars(text.data(), text.data() + 4, year).ptr == &text[3] + 1;
     const bool seconds = text.size() == 20;
-    if (!digits || year < year_min || year > year_max || !(seconds || text.size() == 17) ||
+    if (!whole(text, 0, 4, year_min, year_max, year) || !(seconds || text.size() == 17) ||
         text.back() != 'Z' || !two_digits(text, 5, '-', 1, 12, month) ||
         !two_digits(text, 8, '-', 1, days_of(year, month), day) ||
         !two_digits(text, 11, 'T', 0, 23, hour) || !two_digits(text, 14, ':', 0, 59, minute) ||

@@ -164,8 +164,12 @@ AirTables::AirTables(const Atmosphere& atmosphere, ThreadPool& pool)
     : air(atmosphere), transmittance(air, pool), multiple(air, transmittance, pool) {}
 
 glm::dvec3 depth_above(const AirTables& tables, double height_m) {
+    // Air that absorbs a part of the spectrum alone leaves a colour that no screen has: more than all of one of its
+    // lights, or less than none of another. Skies are divided by what their air holds back, which is never nothing.
+    constexpr double share_min = 1e-30, depth_min = 1e-4;
     const glm::dvec3 left = sunlight_klx(tables.transmittance.to_space(height_m, 1));
-    return -glm::log(left / sunlight_klx(glm::dvec3(1)));
+    const glm::dvec3 share = left / sunlight_klx(glm::dvec3(1));
+    return glm::max(-glm::log(glm::max(share, share_min)), depth_min);
 }
 
 AirLight air_light(const AirTables& tables, double height_m, const glm::dvec3& direction,

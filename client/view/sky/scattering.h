@@ -54,7 +54,7 @@ struct AirTables {
     MultipleScattering multiple;
 };
 
-/// Optical depth by colour of the air above a height, straight up.
+/// Optical depth by colour of the air above a height, straight up: a number above 0.
 glm::dvec3 depth_above(const AirTables& tables, double height_m);
 
 /// Air between an eye and a point.

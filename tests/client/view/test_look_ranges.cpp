@@ -57,6 +57,8 @@ TEST(LookRanges, the_airs_light_is_a_number_at_the_ends_of_every_key) {
     for (const Look& base : {Look{}, dense_look()})
         at_ends(base, "air", [&](const std::string& key, const Look& look) {
             const AirTables tables(look.air, pool);
+            for (const double height_m : {0.0, 500.0, 20e3})
+                ASSERT_TRUE(light(depth_above(tables, height_m))) << key << ", " << height_m;
             for (double sun_deg = -90; sun_deg <= 90; sun_deg += 7.5)
                 for (const double height_m : {0.3, 500.0, 20e3}) {
                     ASSERT_TRUE(
@@ -95,6 +97,9 @@ TEST(LookRanges, whole_skies_are_light_at_the_ends_of_every_key) {
     Look cloudy;
     cloudy.clouds.coverage = 0.5;
     at_ends(cloudy, "all but air", make);
+    // Air that takes red away alone leaves colours that no screen has.
+    cloudy.air.ozone_absorption_per_m = glm::dvec3(1e-3, 0, 0);
+    make("red taken away", cloudy);
 }
 
 } // namespace
