@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <istream>
 
 #include <fmt/format.h>
 
@@ -22,6 +23,18 @@ std::optional<double> finite_number(std::string_view field) {
 }
 
 } // namespace
+
+Result<bool> next_line(std::istream& in, std::string& line) {
+    line.clear();
+    for (int c = in.get(); c != std::istream::traits_type::eof(); c = in.get()) {
+        if (c == '\n')
+            return true;
+        if (line.size() == csv_line_bytes_max)
+            return Error{fmt::format("the line has more than {} bytes", csv_line_bytes_max)};
+        line += static_cast<char>(c);
+    }
+    return !line.empty();
+}
 
 std::string_view trimmed(std::string_view text) {
     constexpr std::string_view blank = " \t\r";

@@ -2,6 +2,8 @@
 // Strict reading of small tables of numbers: '#' lines are notes, then a header, then rows.
 #pragma once
 
+#include <cstddef>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +23,14 @@ struct CsvTable {
     /// "name:line: what"
     Error error(std::size_t row, const std::string& what) const;
 };
+
+/// Of files of points, which are read row by row.
+inline constexpr std::size_t csv_points_max = 10'000'000;
+inline constexpr std::size_t csv_line_bytes_max = 4096;
+
+/// The next line of a stream, without its end; false where there is none. An error says that it has more than
+/// csv_line_bytes_max bytes, of which no more are held.
+Result<bool> next_line(std::istream& in, std::string& line);
 
 /// Without spaces, tabs and carriage returns around it.
 std::string_view trimmed(std::string_view text);

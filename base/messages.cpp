@@ -2,6 +2,8 @@
 #include "base/messages.h"
 
 #include <cstdio>
+#include <exception>
+#include <new>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -71,6 +73,18 @@ int complain(const char* program, int status, std::string_view message) {
     // Not fmt::print, which throws where stderr cannot be written: the status is what is left then.
     std::fputs(fmt::format("{}: {}\n", program, printable(message)).c_str(), stderr);
     return status;
+}
+
+int run_main(const char* program, int status, const std::function<int()>& body) {
+    try {
+        return body();
+    } catch (const std::bad_alloc&) { // nor is there any for a formatted line
+        for (const char* part : {program, ": out of memory\n"})
+            std::fputs(part, stderr);
+        return status;
+    } catch (const std::exception& problem) {
+        return complain(program, status, problem.what());
+    }
 }
 
 bool stderr_is_terminal() {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,10 @@ bool is_printable(std::string_view text);
 
 /// Prints "PROGRAM: MESSAGE" on stderr, printable. Returns `status`.
 int complain(const char* program, int status, std::string_view message);
+
+/// What a program's main() does: the status of `body`, or, of what nobody has caught there, memory above all, `status` after
+/// one line as complain() prints it.
+int run_main(const char* program, int status, const std::function<int()>& body);
 
 /// Does somebody look at stderr? Progress is shown to people alone.
 bool stderr_is_terminal();

@@ -2,7 +2,6 @@
 // seaway-view: the sea of a running server, or of a scene, in a window or as pictures in files.
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <functional>
 #include <optional>
 
@@ -245,16 +244,17 @@ void give_large_blocks_back() {
 #endif
 }
 
+int run(int argc, char** argv) {
+    give_large_blocks_back();
+    const std::variant<ViewOptions, int> options = read_view_options(argc, argv);
+    if (const int* code = std::get_if<int>(&options))
+        return *code;
+    return run(std::get<ViewOptions>(options));
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        give_large_blocks_back();
-        const std::variant<ViewOptions, int> options = read_view_options(argc, argv);
-        if (const int* code = std::get_if<int>(&options))
-            return *code;
-        return run(std::get<ViewOptions>(options));
-    } catch (const std::exception& problem) {
-        return complain("seaway-view", EXIT_FAILURE, problem.what());
-    }
+    return run_main("seaway-view", static_cast<int>(ViewExit::cannot_write),
+                    [&] { return run(argc, argv); });
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-ctl: for administrators of a running server: changes its sea, and looks into it.
 #include <cstdio>
-#include <exception>
 
 #include <fmt/format.h>
 
@@ -33,20 +32,20 @@ Result<std::string> run(const CtlOptions& options, int& status_code) {
     return administered(*connection, std::get<AdminWish>(options.what), options.timeout_s);
 }
 
+int run(int argc, char** argv) {
+    const std::variant<CtlOptions, int> options = read_ctl_options(argc, argv);
+    if (const int* done = std::get_if<int>(&options))
+        return *done;
+    int code = exit_done;
+    const Result<std::string> text = run(std::get<CtlOptions>(options), code);
+    if (!text)
+        return exit_code("seaway-ctl", text.error());
+    fmt::print("{}", *text);
+    return status_after_output("seaway-ctl", code, exit_output);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        const std::variant<CtlOptions, int> options = read_ctl_options(argc, argv);
-        if (const int* done = std::get_if<int>(&options))
-            return *done;
-        int code = exit_done;
-        const Result<std::string> text = run(std::get<CtlOptions>(options), code);
-        if (!text)
-            return exit_code("seaway-ctl", text.error());
-        fmt::print("{}", *text);
-        return status_after_output("seaway-ctl", code, exit_output);
-    } catch (const std::exception& problem) {
-        return complain("seaway-ctl", EXIT_FAILURE, problem.what());
-    }
+    return run_main("seaway-ctl", exit_output, [&] { return run(argc, argv); });
 }

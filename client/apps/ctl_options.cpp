@@ -19,19 +19,20 @@
 namespace seaway::client {
 namespace {
 
-constexpr const char* ctl_footer = "Changes are written to the server's journal before they are "
-                                   "answered; the answer says when the sea begins to glide,\n"
-                                   "when it is there, and the number of the change, which rewind "
-                                   "takes. PATH is that of a scene file: "
-                                   "sea.system.0.wind_speed_10m_mps, sea.depth_m, foam.bias;\n"
-                                   "systems.0.from_deg is short for sea.system.0.from_deg. Tiles, "
-                                   "effects and accuracy stay as they are.\n"
-                                   "The token is the administrator's (--admin-token-file of the "
-                                   "server), over wss or from the server's own machine.\n"
-                                   "Exit codes: 0 done, 1 cannot write, 2 usage, 5 cannot connect, "
-                                   "lost or no answer in time, 6 refused by the server;\n"
-                                   "diff: the seas differ, or nothing could be compared,\n"
-                                   "7 status: a server does not answer, or is stale.";
+constexpr const char* ctl_footer =
+    "Changes are written to the server's journal before they are "
+    "answered; the answer says when the sea begins to glide,\n"
+    "when it is there, and the number of the change, which rewind "
+    "takes. PATH is that of a scene file: "
+    "sea.system.0.wind_speed_10m_mps, sea.depth_m, foam.bias;\n"
+    "systems.0.from_deg is short for sea.system.0.from_deg. Tiles, "
+    "effects and accuracy stay as they are.\n"
+    "The token is the administrator's (--admin-token-file of the "
+    "server), over wss or from the server's own machine.\n"
+    "Exit codes: 0 done, 1 cannot write or no memory, 2 usage, 5 cannot connect, "
+    "lost or no answer in time, 6 refused by the server;\n"
+    "diff: the seas differ, or nothing could be compared,\n"
+    "7 status: a server does not answer, or is stale.";
 
 struct CtlWords {
     std::vector<std::string> values;

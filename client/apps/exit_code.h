@@ -11,7 +11,7 @@ namespace seaway::client {
 /// Exit codes of both: the public contract.
 enum ExitCode : int {
     exit_done = 0,
-    exit_output = 1,  ///< standard output cannot be written
+    exit_output = 1,  ///< standard output cannot be written, or no memory
     exit_usage = 2,   ///< command line or points that make no sense
     exit_lost = 5,    ///< cannot connect, connection lost, or no answer in time
     exit_refused = 6, ///< the server refused the request

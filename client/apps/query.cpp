@@ -2,7 +2,6 @@
 // seaway-query: the surface above points of a running sea, from the command line.
 #include <csignal>
 #include <cstdio>
-#include <exception>
 
 #include <fmt/format.h>
 
@@ -57,17 +56,17 @@ Result<void> run(const QueryOptions& options) {
     return client ? run_bench(**client, options, stop, stdout) : client.error();
 }
 
+int run(int argc, char** argv) {
+    const std::variant<QueryOptions, int> options = read_query_options(argc, argv);
+    if (const int* done = std::get_if<int>(&options))
+        return *done;
+    const Result<void> done = run(std::get<QueryOptions>(options));
+    return done ? status_after_output("seaway-query", exit_done, exit_output)
+                : exit_code("seaway-query", done.error());
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
-        const std::variant<QueryOptions, int> options = read_query_options(argc, argv);
-        if (const int* done = std::get_if<int>(&options))
-            return *done;
-        const Result<void> done = run(std::get<QueryOptions>(options));
-        return done ? status_after_output("seaway-query", exit_done, exit_output)
-                    : exit_code("seaway-query", done.error());
-    } catch (const std::exception& problem) {
-        return complain("seaway-query", EXIT_FAILURE, problem.what());
-    }
+    return run_main("seaway-query", exit_output, [&] { return run(argc, argv); });
 }

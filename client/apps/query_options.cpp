@@ -29,7 +29,8 @@ constexpr const char* query_footer =
     "pressure_m2ps2,flags: velocity of the water there and its dynamic pressure over density, by\n"
     "linear theory; no bound is stated. Flag 256: there is no water, all are 0.\n"
     "JSON is one array, with --watch one a line.\n"
-    "Exit codes: 0 done, 1 cannot write, 2 usage or bad points, 5 cannot connect, lost or no "
+    "Exit codes: 0 done, 1 cannot write or no memory, 2 usage or bad points, 5 cannot connect, "
+    "lost or no "
     "answer in time,\n"
     "6 refused by the server.";
 

@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "base/csv_table.h"
 #include "base/text_file.h"
 #include "client/link/failure.h"
 
@@ -62,11 +61,17 @@ Result<Place> parse_place(std::string_view text) {
     return to_place(fields);
 }
 
-Result<std::vector<Place>> read_places(std::istream& in, const std::string& name) {
+Result<std::vector<Place>> read_places(std::istream& in, const std::string& name,
+                                       std::size_t points_max) {
     std::vector<Place> places;
-    int number = 0;
-    for (std::string line; std::getline(in, line);) {
-        ++number;
+    std::string line;
+    for (int number = 1;; ++number) {
+        const Result<bool> more = next_line(in, line);
+        if (!more)
+            return failed(Failure::bad_argument,
+                          fmt::format("{}:{}: {}", name, number, more.error().message));
+        if (!*more)
+            break;
         if (trimmed(line).empty())
             continue;
         const std::vector<std::string_view> fields = split_csv(line);
@@ -80,6 +85,9 @@ Result<std::vector<Place>> read_places(std::istream& in, const std::string& name
         if (!place)
             return failed(Failure::bad_argument,
                           fmt::format("{}:{}: {}", name, number, place.error().message));
+        if (places.size() == points_max)
+            return failed(Failure::bad_argument,
+                          fmt::format("{}:{}: more than {} points", name, number, points_max));
         places.push_back(*place);
     }
     if (in.bad())

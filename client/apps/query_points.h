@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/csv_table.h"
 #include "base/result.h"
 #include "sea/basics/time.h"
 
@@ -32,8 +33,9 @@ std::optional<double> parse_number(std::string_view text, double limit);
 Result<Place> parse_place(std::string_view text);
 
 /// Rows `x_m,y_m` or `x_m,y_m,t_s`, mixed if need be, with or without a header of these names;
-/// blank lines are skipped. Errors name the line.
-Result<std::vector<Place>> read_places(std::istream& in, const std::string& name);
+/// blank lines are skipped. Errors name the line; a line of more than csv_line_bytes_max bytes is one.
+Result<std::vector<Place>> read_places(std::istream& in, const std::string& name,
+                                       std::size_t points_max = csv_points_max);
 
 /// The same from a file; "-" is standard input.
 Result<std::vector<Place>> read_places(const std::string& path);

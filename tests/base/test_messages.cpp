@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/messages.h"
 
+#include <new>
+#include <stdexcept>
+
 #include <gtest/gtest.h>
 
 namespace seaway {
@@ -30,6 +33,14 @@ TEST(Printable, bytes_that_are_no_utf_8_are_shown_as_numbers) {
     EXPECT_EQ(printable("\xC3"), "\\xc3") << "cut off";
     EXPECT_EQ(printable("\xE6\xB5"), "\\xe6\\xb5") << "cut off";
     EXPECT_EQ(printable("\xC3(\xC3\xBC"), "\\xc3(\xC3\xBC");
+}
+
+TEST(RunMain, ends_by_the_status_of_its_body_or_by_one_line) {
+    EXPECT_EQ(run_main("a", 4, [] { return 7; }), 7);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(run_main("a", 4, []() -> int { throw std::bad_alloc(); }), 4);
+    EXPECT_EQ(run_main("b", 3, []() -> int { throw std::runtime_error("two\nlines"); }), 3);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "a: out of memory\nb: two lines\n");
 }
 
 TEST(Printable, is_not_longer_than_a_line_may_be) {

@@ -279,6 +279,20 @@ TEST(QueryPoints, a_line_is_counted_though_it_is_blank_or_the_header) {
     EXPECT_EQ(places.error().message.find("points.csv:6: "), 0u) << places.error().message;
 }
 
+// Naive: a line goes on for as long as its file does, in memory.
+TEST(QueryPoints, a_line_and_a_file_have_an_end) {
+    std::istringstream line("1,2\n" + std::string(csv_line_bytes_max, ' ') + "\n3,4" +
+                            std::string(csv_line_bytes_max - 2, ' ') + "\n");
+    const auto longer = read_places(line, "p.csv");
+    ASSERT_FALSE(longer);
+    EXPECT_EQ(longer.error().message, "p.csv:3: the line has more than 4096 bytes");
+    std::istringstream three("x_m,y_m\n1,2\n3,4\n\n5,6\n"), two("x_m,y_m\n1,2\n3,4");
+    const auto more = read_places(three, "p.csv", 2);
+    ASSERT_FALSE(more);
+    EXPECT_EQ(more.error().message, "p.csv:5: more than 2 points");
+    EXPECT_EQ(read_places(two, "p.csv", 2).value().size(), 2u);
+}
+
 TEST(Output, what_is_not_a_number_is_null_in_json) {
     const sea::QueryPoint point{std::numeric_limits<double>::quiet_NaN(), 0, 0};
     sea::Answer answer;

@@ -30,15 +30,15 @@ struct Output {
     long error_lines() const { return std::count(err.begin(), err.end(), '\n'); }
 };
 
-/// `arguments` as a shell takes them; `input` goes to stdin. Any thread.
+/// `arguments` as a shell takes them; `input` goes to stdin; `first`: what the shell does before. Any thread.
 inline Output run_program(const std::string& name, const std::string& arguments,
-                          const std::string& input = {}) {
+                          const std::string& input = {}, const std::string& first = {}) {
     static std::atomic<int> runs = 0;
     const std::string run = std::to_string(++runs);
     const std::string in = folder().write("stdin" + run, input);
     const std::string out = folder().file("stdout" + run);
     const std::string err = folder().file("stderr" + run);
-    const std::string command = std::string(SEAWAY_BIN_DIR) + "/" + name + " " + arguments + " <" +
+    const std::string command = first + " " + SEAWAY_BIN_DIR + "/" + name + " " + arguments + " <" +
                                 in + " >" + out + " 2>" + err;
     const int status = std::system(command.c_str());
     const Output output{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(out),

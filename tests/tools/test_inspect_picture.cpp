@@ -103,6 +103,29 @@ struct Wave {
     double amplitude_m;
 };
 
+// Naive: the logarithm of no energy places marks anywhere.
+TEST(InspectPicture, a_sea_whose_heights_are_scaled_to_nothing_is_drawn_flat) {
+    const std::string scene = folder().write("nothing.toml", R"([sea]
+height_scale = 0.0
+[[sea.system]]
+type = "swell"
+spectrum = "jonswap"
+significant_height_m = 2.0
+peak_period_s = 10.0
+from_deg = 300
+spreading = "cos2s"
+spreading_exponent = 10
+[[cascade]]
+length_m = 500.0
+size = 64
+)");
+    const std::string path = folder().file("nothing.png");
+    const testing::Output ran = testing::run_program("seaway-inspect", scene + " --plot " + path);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_EQ(ran.err, "");
+    EXPECT_EQ(Pixels(path).width, 1200);
+}
+
 TEST(InspectPicture, each_wave_given_by_hand_stands_at_its_frequency_height_and_bearing) {
     const Wave waves[] = {{6, -2, 0.9}, {-3, 5, 0.4}, {1, 4, 0.15}};
     std::string rows = "nx,ny,amplitude_m,phase_rad\n";

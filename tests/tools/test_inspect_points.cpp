@@ -321,6 +321,15 @@ TEST(InspectPoints, places_are_taken_up_to_their_limit_east_and_north_and_refuse
         }
 }
 
+// Naive: a line goes on for as long as its file does, in memory.
+TEST(InspectPoints, a_line_that_does_not_end_is_named) {
+    const std::string scene = folder().write("swells.toml", two_swells);
+    const Output ran =
+        run_program("seaway-inspect", scene + " --eval -", "1,2,3\n" + std::string(5000, ' '));
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, "seaway-inspect: standard input:2: the line has more than 4096 bytes\n");
+}
+
 TEST(InspectPoints, no_rows_give_the_header_alone) {
     const std::string path = folder().write("two_swells.toml", two_swells);
     EXPECT_TRUE(evaluate(path, "").empty());

@@ -135,9 +135,7 @@ int run(Options& options) {
     return 0;
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     Options options;
     CommandLine line("seaway-bake", "A scene as OpenEXR maps, one file a frame and cascade");
     declare(line, options);
@@ -147,4 +145,10 @@ int main(int argc, char** argv) {
     if (*next == CommandLine::Next::leave)
         return status_after_output("seaway-bake", 0, exit_failed);
     return status_after_output("seaway-bake", run(options), exit_failed);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_main("seaway-bake", exit_failed, [&] { return run(argc, argv); });
 }

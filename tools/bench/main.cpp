@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/messages.h"
 #include "base/text_file.h"
 #include "tools/bench/accuracy/accuracy.h"
 #include "tools/bench/accuracy/guard.h"
@@ -199,9 +200,7 @@ int finished(const seaway::Result<int>& status) {
     return seaway::status_after_output("seaway-bench", status ? *status : 2, 2);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     using namespace seaway;
     CommandLine line("seaway-bench",
                      "Measures what Seaway costs on this machine. Variants are interleaved in one "
@@ -258,4 +257,10 @@ int main(int argc, char** argv) {
                               : sampled.given() ? bench::run_sample(points)
                                                 : bench::run_effects(options);
     return finished(done ? Result<int>(0) : Result<int>(done.error()));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return seaway::run_main("seaway-bench", 2, [&] { return run(argc, argv); });
 }

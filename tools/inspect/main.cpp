@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-inspect: what a scene amounts to, without server or GPU. Errors: one line on stderr,
-// exit 2.
+// exit 2; want of memory is one.
 #include <charconv>
 #include <cstdio>
 #include <iostream>
@@ -150,9 +150,7 @@ int fail(const std::string& message) {
     return complain("seaway-inspect", exit_usage, message);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     Options options;
     CommandLine line("seaway-inspect", "What a scene amounts to, without server or GPU");
     declare(line, options);
@@ -166,4 +164,10 @@ int main(int argc, char** argv) {
         return fail(out.error().message);
     std::cout << *out;
     return status_after_output("seaway-inspect", 0, exit_usage);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_main("seaway-inspect", exit_usage, [&] { return run(argc, argv); });
 }

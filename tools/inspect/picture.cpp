@@ -110,7 +110,7 @@ void draw_spectrum(Canvas& canvas, const Report& report, const SeaSpectrum& spec
         }
     for (const Point p : requested)
         highest = std::max(highest, p.y);
-    const double top = 3.0 * highest;
+    const double top = highest > 0.0 ? 3.0 * highest : 1.0; // of a flat sea any
     const double bottom = std::clamp(0.3 * lowest, top * std::pow(10.0, -decades_most),
                                      top * std::pow(10.0, -decades_least));
     Chart chart(canvas, {92, 112, 720, 636},
@@ -229,7 +229,7 @@ void draw_waves(Canvas& canvas, const Report& report, FrequencyRange range) {
     draw_compass_frame(canvas, omega_end, "waves, by where they come from");
     for (const ExplicitWave& wave : waves)
         canvas.disc(on_compass(wave.omega_radps / omega_end, 1.5 * sea::pi - wave.towards_rad),
-                    2.0 + 6.0 * std::sqrt(wave.amplitude_m / highest),
+                    2.0 + 6.0 * (highest > 0.0 ? std::sqrt(wave.amplitude_m / highest) : 0.0),
                     plot::series_color(0).faded(0.7));
 }
 

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "base/csv_table.h"
 #include "base/text_file.h"
 #include "sea/surface/inverse.h"
 #include "sea/waves/reference.h"
@@ -27,13 +28,6 @@ constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
 constexpr double tolerance_m = 1e-9;
 /// Rounding of the direct sum, as a share of the sum of all amplitudes (sea/waves/reference.h).
 constexpr double sum_rounding = 1e-13;
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos)
-        return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
 
 /// Three fields of a line, or nothing.
 std::optional<std::array<std::string_view, 3>> split(std::string_view line) {
@@ -71,9 +65,13 @@ double sum_of_amplitudes(const sea::Realization& sea) {
 
 Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::string& name) {
     std::vector<sea::QueryPoint> points;
-    int number = 0;
-    for (std::string line; std::getline(in, line);) {
-        ++number;
+    std::string line;
+    for (int number = 1;; ++number) {
+        const Result<bool> more = next_line(in, line);
+        if (!more)
+            return Error{fmt::format("{}:{}: {}", name, number, more.error().message)};
+        if (!*more)
+            break;
         if (trimmed(line).empty())
             continue;
         const auto fields = split(line);
@@ -90,6 +88,8 @@ Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::st
                                          name, number, columns[i], (*fields)[i], -limit, limit)};
             values[i] = *value;
         }
+        if (points.size() == csv_points_max)
+            return Error{fmt::format("{}:{}: more than {} points", name, number, csv_points_max)};
         points.push_back({values[0], values[1], sea::us_from_seconds(values[2])});
     }
     if (in.bad())

@@ -16,7 +16,8 @@ namespace seaway::inspect {
 /// Rows are at most this far from the origin; beyond, a coordinate resolves no wave.
 inline constexpr double coordinate_max_m = 1e9;
 
-/// Rows `x_m,y_m,t_s`, times within sea::time_us_max, with or without that header; blank lines are skipped. Errors name the line.
+/// Rows `x_m,y_m,t_s`, times within sea::time_us_max, with or without that header; blank lines are skipped. Errors name the line; one
+/// of more than csv_line_bytes_max bytes is an error, and so are more than csv_points_max points.
 Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::string& name);
 
 /// The same from a file; "-" is standard input.

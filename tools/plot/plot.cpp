@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "base/check.h"
+
 namespace seaway::plot {
 
 namespace {
@@ -79,7 +81,11 @@ std::string short_number(double value, int digits) {
 }
 
 Chart::Chart(Canvas& canvas, Rect area, Axis x, Axis y)
-    : canvas_(canvas), area_(area), x_(std::move(x)), y_(std::move(y)) {}
+    : canvas_(canvas), area_(area), x_(std::move(x)), y_(std::move(y)) {
+    for (const Axis& axis : {x_, y_})
+        SEAWAY_CHECK(axis.lo < axis.hi && (axis.scale == Scale::linear || axis.lo > 0),
+                     "an axis goes up, a logarithmic one from above 0");
+}
 
 Point Chart::at(Point value) const {
     return {area_.left + x_.place(value.x) * area_.width(),
