@@ -94,8 +94,9 @@ class VulkanBatch {
                                           points() / 4);
     }
 
-    /// What a pass leaves, for every pass but the last, which leaves the maps. Computes once a pass.
-    Result<std::vector<SynthesisStage>> stages(const Job& job, const Packing& packing);
+    /// What the passes of this request leave, for every pass but the last, which leaves the maps. Computes once a pass and
+    /// part (vulkan_parts.h).
+    Result<std::vector<SynthesisStage>> stages(const Job& job, const KeyframeRequest& request);
 
     /// Of a run that was finished, unless its maps are held: copies one map, [y][x]; `map` as in Packing.
     void read_map(RunId run, int job, int map, std::span<float> out) const;
@@ -135,6 +136,9 @@ class VulkanBatch {
     /// Floats that one job has in memory after a pass that is not the last.
     std::size_t pass_floats(std::size_t pass, const Packing& packing) const;
     Result<std::vector<float>> output(const Job& job, const Packing& packing, std::size_t pass);
+    /// Of fields that it computes at once; sources have numbers from `first_source` on.
+    Result<std::vector<SynthesisStage>> stages_of(const Job& job, const Packing& packing,
+                                                  int first_source);
     /// Where the maps of a run go, and what is bound to it.
     struct Target {
         const gpu::Buffer* maps = nullptr;

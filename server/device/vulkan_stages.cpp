@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // VulkanBatch pass by pass: what stands in memory between two of them (shaders/synthesis.h).
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include <fmt/format.h>
 
 #include "base/check.h"
 #include "server/device/vulkan_batch.h"
+#include "server/device/vulkan_parts.h"
+#include "server/device/vulkan_requests.h"
 
 namespace seaway::server {
 
@@ -65,24 +69,41 @@ Result<std::vector<float>> VulkanBatch::output(const Job& job, const Packing& pa
     return floats;
 }
 
-Result<std::vector<SynthesisStage>> VulkanBatch::stages(const Job& job, const Packing& packing) {
+Result<std::vector<SynthesisStage>> VulkanBatch::stages_of(const Job& job, const Packing& packing,
+                                                           int first_source) {
     std::vector<SynthesisStage> all;
     for (std::size_t i = 0; i + 1 < kernels_.passes.size(); ++i) {
         const SynthesisKernels::Pass& pass = kernels_.passes[i];
         SEAWAY_CHECK(pass.row_texels > 0, "a pass that is not the last leaves rows");
-        const Result<std::vector<float>> floats = output(job, packing, i);
-        if (!floats)
-            return floats.error();
+        SEAWAY_TRY_LET(const std::vector<float> floats, output(job, packing, i));
         const int count = parts(pass, packing);
-        const std::size_t each = floats->size() / static_cast<std::size_t>(count);
+        const std::size_t each = floats.size() / static_cast<std::size_t>(count);
         for (int part = 0; part < count; ++part) {
             SynthesisStage stage = stage_of(pass, kernels_.size(),
-                                            floats->data() + static_cast<std::size_t>(part) * each);
+                                            floats.data() + static_cast<std::size_t>(part) * each);
             stage.pass = kernels_.transform->passes[i].shader.name;
-            stage.name = pass.kind == shaders::PassKind::fields ? field_at(packing, part)
-                                                                : fmt::format("source {}", part);
+            stage.name = pass.kind == shaders::PassKind::fields
+                             ? field_at(packing, part)
+                             : fmt::format("source {}", first_source + part);
             all.push_back(std::move(stage));
         }
+    }
+    return all;
+}
+
+Result<std::vector<SynthesisStage>> VulkanBatch::stages(const Job& job,
+                                                        const KeyframeRequest& request) {
+    std::vector<SynthesisStage> all;
+    int sources = 0;
+    for (const KeyframeRequest& part : parts_of(request, maps_at_once())) {
+        const sea::FieldSet linear = part.fields & sea::linear_fields;
+        const bool jacobian = part.fields.contains(sea::Field::jacobian);
+        if (!jacobian && linear.size() == 0)
+            continue;
+        const Packing packing = pack(jacobian ? linear | strain_fields : linear);
+        SEAWAY_TRY_LET(std::vector<SynthesisStage> some, stages_of(job, packing, sources));
+        std::ranges::move(some, std::back_inserter(all));
+        sources += packing.sources;
     }
     return all;
 }

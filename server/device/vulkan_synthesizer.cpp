@@ -422,12 +422,9 @@ NewKeyframePtr Vulkan::keyframe(const KeyframeRequest& request) const {
 }
 
 Result<std::vector<SynthesisStage>> Vulkan::stages(const KeyframeRequest& request) {
-    const auto cascade = static_cast<std::size_t>(request.cascade);
-    const bool jacobian = request.fields.contains(sea::Field::jacobian);
-    const sea::FieldSet linear = request.fields & sea::linear_fields;
-    return groups_.at(sea_->cascades[cascade].spec.size)
-        .batch->stages({position_[cascade], sea_->phase_time(request.time_us)},
-                       pack(jacobian ? linear | strain_fields : linear));
+    return batch_of(request).stages(
+        {position_[static_cast<std::size_t>(request.cascade)], sea_->phase_time(request.time_us)},
+        request);
 }
 
 } // namespace

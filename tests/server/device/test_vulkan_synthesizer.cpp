@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "base/worse.h"
@@ -209,6 +211,25 @@ TEST_F(VulkanSynthesizerTest, maps_of_2048_points_match_the_direct_sum_also_thos
         compare_2048(random, choppiness);
     }
     EXPECT_EQ(synthesizer_->counters().keyframes, 2u);
+}
+
+// Naive: what stands between the passes is made of all fields at once, which is more than a device binds.
+TEST_F(VulkanSynthesizerTest, stages_of_2048_points_are_made_in_parts_as_well_each_once) {
+    const RandomSea random(2048, 500.0, 9, {1.2, 0.8}, 0.6);
+    set_sea(random.realization(), 1);
+    FieldSet all = FieldSet{Field::jacobian};
+    for (const sea::FieldInfo& field : sea::field_table)
+        if (sea::is_linear(field.field))
+            all |= FieldSet{field.field};
+    const auto stages = synthesizer_->stages({0, 1'000'000, all});
+    ASSERT_TRUE(stages) << stages.error().message;
+    std::map<std::string, int> made;
+    for (const SynthesisStage& stage : *stages)
+        EXPECT_EQ(++made[stage.pass + ": " + stage.name], 1) << stage.pass << ": " << stage.name;
+    for (const Field field : all& sea::linear_fields)
+        EXPECT_TRUE(std::ranges::any_of(*stages, [&](const SynthesisStage& stage) {
+            return stage.name == sea::info(field).name;
+        })) << sea::info(field).name;
 }
 
 TEST_F(VulkanSynthesizerTest, one_wave_travels_along_its_wavenumber_and_has_its_amplitude) {
