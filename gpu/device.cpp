@@ -2,6 +2,8 @@
 #include "gpu/device.h"
 
 #include <bit>
+#include <cmath>
+#include <limits>
 
 #include "gpu/call.h"
 #include "gpu/commands.h"
@@ -198,22 +200,29 @@ Result<void> Device::present(const VkPresentInfoKHR& info) {
     return call("vkQueuePresentKHR", vkQueuePresentKHR, queue_, &info);
 }
 
-Result<void> Device::wait(std::uint64_t ticket, double timeout_s) {
-    return wait(timeline_, ticket, timeout_s);
+double Device::patience_s() const {
+    constexpr double of_a_gpu_s = 60;
+    return info_.is_cpu() ? std::numeric_limits<double>::infinity() : of_a_gpu_s;
 }
 
-Result<void> Device::wait_transfer(std::uint64_t ticket, double timeout_s) {
-    return wait(transfers_, ticket, timeout_s);
+Result<void> Device::wait(std::uint64_t ticket) {
+    return wait(timeline_, ticket);
 }
 
-Result<void> Device::wait(const Timeline& timeline, std::uint64_t ticket, double timeout_s) {
+Result<void> Device::wait_transfer(std::uint64_t ticket) {
+    return wait(transfers_, ticket);
+}
+
+Result<void> Device::wait(const Timeline& timeline, std::uint64_t ticket) {
     const VkSemaphore semaphore = timeline.semaphore.get();
     const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
                                    .semaphoreCount = 1,
                                    .pSemaphores = &semaphore,
                                    .pValues = &ticket};
-    Result<void> waited = call("vkWaitSemaphores", vkWaitSemaphores, device_, &info,
-                               static_cast<std::uint64_t>(timeout_s * 1e9));
+    const std::uint64_t patience_ns = std::isinf(patience_s())
+                                          ? std::numeric_limits<std::uint64_t>::max()
+                                          : static_cast<std::uint64_t>(patience_s() * 1e9);
+    Result<void> waited = call("vkWaitSemaphores", vkWaitSemaphores, device_, &info, patience_ns);
     if (!waited) {
         // The caller will free what the device may still be using.
         const std::lock_guard lock(submit_mutex_);

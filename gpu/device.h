@@ -70,15 +70,17 @@ class Device {
     Result<std::uint64_t> submit(const Commands& commands, VkSemaphore after = VK_NULL_HANDLE,
                                  VkSemaphore done = VK_NULL_HANDLE);
     Result<void> present(const VkPresentInfoKHR& info);
-    /// Until that ticket's work is done; an error after `timeout_s` or if the device is lost. After
+    /// How long a wait lasts, s: a GPU that takes longer hangs. A processor is merely slow, and is waited for.
+    double patience_s() const;
+    /// Until that ticket's work is done; an error after patience_s() or if the device is lost. After
     /// an error nothing of this device runs any more.
-    Result<void> wait(std::uint64_t ticket, double timeout_s = 60);
+    Result<void> wait(std::uint64_t ticket);
     Result<void> submit_and_wait(const Commands& commands);
 
     /// Queues copies, recorded for the transfer queue, that start when `after`, a ticket of submit(), is done. They have
     /// tickets of their own, for wait_transfer(), which is as wait().
     Result<std::uint64_t> submit_transfer(const Commands& commands, std::uint64_t after);
-    Result<void> wait_transfer(std::uint64_t ticket, double timeout_s = 60);
+    Result<void> wait_transfer(std::uint64_t ticket);
 
     const Instance& validation() const { return *instance_; }
 
@@ -95,7 +97,7 @@ class Device {
     Result<void> create(Timeline& timeline);
     Result<std::uint64_t> submit(VkQueue queue, Timeline& timeline, const Commands& commands,
                                  const VkSemaphoreSubmitInfo& after, VkSemaphore done);
-    Result<void> wait(const Timeline& timeline, std::uint64_t ticket, double timeout_s);
+    Result<void> wait(const Timeline& timeline, std::uint64_t ticket);
 
     // Order of members is order of construction; the destructor goes backwards.
     std::unique_ptr<Instance> instance_;

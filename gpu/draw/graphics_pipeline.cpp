@@ -67,6 +67,12 @@ constexpr VkPipelineDynamicStateCreateInfo dynamic{
     .dynamicStateCount = 2,
     .pDynamicStates = dynamic_states};
 
+bool blends(Device& device, VkFormat format) {
+    VkFormatProperties properties;
+    vkGetPhysicalDeviceFormatProperties(device.physical(), format, &properties);
+    return (properties.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT) != 0;
+}
+
 VkCompareOp compare_of(DepthTest test) {
     switch (test) {
     case DepthTest::covered:
@@ -132,6 +138,8 @@ Result<GraphicsPipeline> GraphicsPipeline::create(Device& device, std::string_vi
     };
     if (!device.info().graphics)
         return failed({device.info().name + " cannot draw"});
+    if (options.blended && !blends(device, options.colour_format))
+        return failed({device.info().name + " cannot lay anything over pictures of this format"});
     const std::span<const std::uint32_t> spirv[] = {vertex_spirv, fragment_spirv};
     std::string entry_points[2];
     OwnedShaderModule modules[2];

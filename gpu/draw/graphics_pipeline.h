@@ -29,7 +29,8 @@ struct GraphicsOptions {
     VkFormat depth_format = VK_FORMAT_UNDEFINED; ///< VK_FORMAT_UNDEFINED: no depth, no test
     DepthTest test = DepthTest::nearer;
     VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
-    bool blended = false; ///< laid over what is there, by alpha
+    bool blended =
+        false; ///< laid over what is there, by alpha; not every device can, of every format
 };
 
 class GraphicsPipeline {

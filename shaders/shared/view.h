@@ -180,10 +180,11 @@ struct SEAWAY_STD140_ELEMENT ViewDebug {
     vec4 fold;                           ///< colour of what folds
     vec4 empty;                          ///< colour where there is no number
     vec4 keyframe_ms[view_cascades_max]; ///< since the one before, to the one after, between both
-    /// Variances that a height's bound is made of, m2: between keyframes; between grid points, east and
+    /// Variances that a height's bound is made of, m2: anywhere in a cell; between grid points, east and
     /// north; of coding.
     vec4 height_loss[view_cascades_max];
     vec4 displacement_loss[view_cascades_max]; ///< likewise, of D
+    vec4 coded_relief[view_cascades_max];      ///< MapLoss's, of heights and of D
     vec4 area;                                 ///< where a flat map lies, pixels: left, top, sides
     float low;                                 ///< numbers at the ends of the bar
     float high;
@@ -265,7 +266,7 @@ static_assert(sizeof(SkyValues) == 16 * 16);
 static_assert(sizeof(WaterValues) == 5 * 16);
 static_assert(offsetof(ViewValues, sky) == 384 + 80 * view_cascades_max);
 static_assert(offsetof(ViewValues, water) == offsetof(ViewValues, sky) + sizeof(SkyValues));
-static_assert(sizeof(ViewDebug) == 16 * (view_stops + 2 + 3 * view_cascades_max + 4));
+static_assert(sizeof(ViewDebug) == 16 * (view_stops + 2 + 4 * view_cascades_max + 4));
 } // namespace seaway::shaders
 #endif
 #undef SEAWAY_SHARED_CONSTANT

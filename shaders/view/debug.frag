@@ -72,6 +72,12 @@ float edge_shown(SeenCell cell) {
 
 float mesh_number(SeenCell cell) { return view.what == view_density ? cell.area : edge_shown(cell); }
 
+/// MapLoss::AtTime::variance_m2().
+float loss_m2(vec4 loss, float coded_relief, vec2 between) {
+    const vec2 left = 1.0 - coded_relief * between;
+    return dot(loss, vec4(1.0, between, left.x * left.y));
+}
+
 /// As Surface::answer() states it (sea/surface/map_error.h), for the place and slope that the pixel shows.
 float height_bound_m(Place place, float slope) {
     const float sideways = slope * max(view.choppiness.x, view.choppiness.y);
@@ -81,9 +87,9 @@ float height_bound_m(Place place, float slope) {
         const vec2 s = fract((tile.origin + place.undisplaced_m * tile.maps_per_m) * float(tile.points));
         const vec2 u = 4.0 * s * (1.0 - s);
         const vec2 between = u * u;
-        const vec4 weight = vec4(1.0, between, (1.0 - 0.2 * between.x) * (1.0 - 0.2 * between.y));
-        variance_m2 += dot(weight, view.debug.height_loss[c]) +
-                       sideways * sideways * dot(weight, view.debug.displacement_loss[c]);
+        const vec2 relief = view.debug.coded_relief[c].xy;
+        variance_m2 += loss_m2(view.debug.height_loss[c], relief.x, between) +
+                       sideways * sideways * loss_m2(view.debug.displacement_loss[c], relief.y, between);
     }
     return view.debug.bound_sigmas * sqrt(variance_m2) + view.debug.height_bound_m +
            sideways * view.debug.displacement_bound_m;

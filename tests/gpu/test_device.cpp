@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <vector>
@@ -273,6 +274,12 @@ TEST_F(DeviceTest, a_buffer_above_the_limit_of_the_device_is_refused_before_the_
     EXPECT_EQ(buffer.error().message, "buffer \"too long\", " + std::to_string(bytes) +
                                           " bytes: " + device_->info().name + " allows " +
                                           std::to_string(bytes - 1));
+}
+
+// Naive: a still that two cores draw for more than a minute is taken for a hang.
+TEST_F(DeviceTest, a_processor_that_draws_is_waited_for_as_long_as_it_takes) {
+    EXPECT_EQ(std::isinf(device_->patience_s()), device_->info().is_cpu());
+    EXPECT_GE(device_->patience_s(), 60);
 }
 
 TEST(Staged, bytes_go_round_through_staging_buffers_as_on_a_discrete_device) {

@@ -20,14 +20,10 @@ shaders::vec4 narrowed(const glm::dvec3& colour, double w) {
     return {narrowed(colour.r), narrowed(colour.g), narrowed(colour.b), narrowed(w)};
 }
 
-/// MapLoss::variance_m2() at this time, as a sum of what hangs on the place in different ways.
-shaders::vec4 parts_of(const sea::MapLoss& loss, double share, const sea::HermiteWeights& w) {
-    const double time_m = loss.time_m * sea::between_samples(share);
-    const double coded_m2 =
-        loss.value_m * loss.value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
-        loss.rate_mps * loss.rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
-    return {narrowed(time_m * time_m), narrowed(loss.east_m * loss.east_m),
-            narrowed(loss.north_m * loss.north_m), narrowed(coded_m2)};
+/// Of a sum of what hangs on the place in different ways.
+shaders::vec4 parts_of(const sea::MapLoss::AtTime& loss) {
+    return {narrowed(loss.time_m2 + loss.cut_m2), narrowed(loss.east_m2), narrowed(loss.north_m2),
+            narrowed(loss.coded_m2)};
 }
 
 /// Of a slope of 1 in 2, where and when maps are worst.
@@ -53,8 +49,11 @@ void set_cascade(shaders::ViewDebug& out, const SeaFrame& frame, std::size_t c) 
     const double share =
         interval_us > 0 ? static_cast<double>(frame.time_us - before_us) / interval_us : 0;
     const sea::HermiteWeights weights = sea::hermite_weights(before_us, after_us, frame.time_us);
-    out.height_loss[c] = parts_of(frame.error.cascades[c].height, share, weights);
-    out.displacement_loss[c] = parts_of(frame.error.cascades[c].displacement, share, weights);
+    const sea::CascadeLoss& loss = frame.error.cascades[c];
+    out.height_loss[c] = parts_of(loss.height.at(share, weights));
+    out.displacement_loss[c] = parts_of(loss.displacement.at(share, weights));
+    out.coded_relief[c] = {narrowed(loss.height.coded_relief),
+                           narrowed(loss.displacement.coded_relief), 0, 0};
 }
 
 } // namespace

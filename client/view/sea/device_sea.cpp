@@ -204,11 +204,9 @@ void DeviceSea::copy(std::size_t cascade, Slots& kept, const std::shared_ptr<con
     std::copy(floats.begin(), floats.end(),
               (staged ? to.staging : to.keyframes).mapped_as<float>().begin() +
                   static_cast<std::ptrdiff_t>(at));
-    if (staged) { // once a place: what nobody recorded is overwritten
-        std::erase_if(pending_,
-                      [&](const Copy& old) { return old.cascade == cascade && old.first == at; });
-        pending_.push_back({cascade, at, floats.size()});
-    }
+    if (staged)
+        pending_.push_back({cascade, at, floats.size(),
+                            &kept == &to.foams ? &Cascade::foams : &Cascade::splines, slot});
     ++copies_;
 }
 
@@ -238,6 +236,18 @@ void DeviceSea::put(std::size_t cascade, const CascadeFrame& from) {
                   square(to.points));
 }
 
+/// What a frame without the sea has put into staging buffers and this frame does not need: its slots may be filled again
+/// while the device still reads them for this frame.
+void DeviceSea::forget_unwanted() {
+    std::erase_if(pending_, [&](const Copy& part) {
+        Slots& kept = cascades_[part.cascade].*part.kept;
+        if (kept.used[part.slot] == frame_)
+            return false;
+        kept.holds[part.slot].reset();
+        return true;
+    });
+}
+
 Result<void> DeviceSea::take(const SeaFrame& frame, const gpu::Buffer& values) {
     SEAWAY_CHECK(!frame.cascades.empty() && frame.cascades.size() <= shaders::view_cascades_max,
                  "1 .. view_cascades_max cascades");
@@ -248,6 +258,7 @@ Result<void> DeviceSea::take(const SeaFrame& frame, const gpu::Buffer& values) {
         SEAWAY_TRY(standing_.take(frame, values, displacements_, displacement_texels_));
     for (std::size_t c = 0; c < cascades_.size() && !stands_; ++c)
         put(c, frame.cascades[c]);
+    forget_unwanted();
     return bind(values);
 }
 

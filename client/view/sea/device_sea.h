@@ -97,6 +97,8 @@ class DeviceSea {
     };
     struct Copy {
         std::size_t cascade, first, count; ///< floats
+        Slots Cascade::*kept;
+        int slot;
     };
     struct Sets {
         gpu::Bindings gradients, mips;
@@ -113,6 +115,7 @@ class DeviceSea {
     void put(std::size_t cascade, const CascadeFrame& from);
     void copy(std::size_t cascade, Slots& kept, const std::shared_ptr<const void>& map,
               std::span<const float> floats, std::size_t first, std::size_t stride);
+    void forget_unwanted();
 
     gpu::Device* device_ = nullptr;
     DeviceSeaOptions options_;

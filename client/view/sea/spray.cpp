@@ -77,9 +77,11 @@ Result<void> Spray::create(gpu::Device& device, const gpu::Offscreen& target, in
                                                   {"Plumes", storage}},
                                                  sizeof(SprayValues),
                                                  {shaders::view_group, 1, 1}})));
-    SEAWAY_TRY(keep(draw_, gpu::GraphicsPipeline::create(device, "spray", spray_vert,
-                                                         one ? one_frag : many_frag, spray_bindings,
-                                                         {.blended = true})));
+    Result<gpu::GraphicsPipeline> drawn = gpu::GraphicsPipeline::create(
+        device, "spray", spray_vert, one ? one_frag : many_frag, spray_bindings, {.blended = true});
+    if (!drawn)
+        return Error{drawn.error().kind, drawn.error().message + "; --quality low has no spray"};
+    draw_ = std::move(*drawn);
     const std::size_t bytes = static_cast<std::size_t>(plumes_of(slots)) * plume_bytes;
     SEAWAY_TRY(keep(plumes_, gpu::Buffer::create(device, "spray", bytes, gpu::BufferKind::device)));
     return keep(plume_texels_,

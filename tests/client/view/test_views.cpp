@@ -383,6 +383,16 @@ TEST_F(ViewsTest, a_crest_breaks_by_what_the_pixel_does_not_resolve) {
     EXPECT_GT(half, 10);
 }
 
+// Naive: the driver is asked for what it need not have, and what it draws is anything.
+TEST_F(ViewsTest, nothing_is_laid_over_a_picture_whose_format_cannot_be_blended) {
+    const auto made = gpu::GraphicsPipeline::create(
+        *device_, "spray", picture_vert, final_frag, {},
+        {.colour_format = VK_FORMAT_R32G32B32A32_UINT, .blended = true}); // whole numbers never are
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().message, "pipeline \"spray\": " + device_->info().name +
+                                        " cannot lay anything over pictures of this format");
+}
+
 TEST_F(ViewsTest, a_shader_that_reads_something_else_than_the_program_binds_is_refused) {
     using gpu::ExpectedBinding;
     constexpr VkDescriptorType image = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;

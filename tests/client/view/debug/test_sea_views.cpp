@@ -233,12 +233,20 @@ TEST_F(SeaViewsTest, age_is_the_clock_less_the_keyframe_of_each_cascade_in_strip
 
 TEST_F(SeaViewsTest, bound_is_what_an_answer_there_states) {
     SyntheticSea sea(two_waves());
-    for (const sea::TimeUs time_us : {400'000, 1'234'567}) {
+    // Naive: what maps were sent without is left out, and coding is taken for what it is on the maps' own grids.
+    for (const bool compact : {false, true}) {
+        const sea::TimeUs time_us = compact ? 400'000 : 1'234'567;
         SeaFrame frame = sea.at(time_us);
         for (sea::CascadeLoss& loss :
              frame.error.cascades) { // so that it hangs on the place in a cell
             loss.height.east_m = 0.004;
             loss.height.north_m = 0.007;
+            for (sea::MapLoss* of : {&loss.height, &loss.displacement})
+                if (compact) {
+                    of->cut_m = 0.006;
+                    of->value_m = 0.02;
+                    of->coded_relief = 0;
+                }
         }
         const sea::Surface surface({frame.cascades[0].keyframes, frame.cascades[1].keyframes},
                                    frame.choppiness, sea.surface(frame).folds(), frame.error);
