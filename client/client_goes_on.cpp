@@ -51,6 +51,7 @@ Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, C
     if (options.threadless) {
         SEAWAY_TRY_LET(client->readiness_, Readiness::create());
     }
+    const std::stop_callback given_up(options.stop, [&] { client->leaving_.request_stop(); });
     if (const Result<void> opened = client->open_link(); !opened)
         return told(opened.error(), Failure::cannot_connect);
     if (!options.stays_lost && !options.threadless)

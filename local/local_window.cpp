@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A LocalSea in a window.
 #include <chrono>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -19,14 +21,27 @@ class WavePoints final : public client::Points {
   public:
     explicit WavePoints(client::RebuiltSeaPtr waves) : waves_(std::move(waves)) {}
     sea::Answer answer(const sea::QueryPoint& point) const override {
-        sea::Answer answer;
-        waves_->answer({&point, 1}, {&answer, 1}, {});
-        return answer;
+        return waves_->answer(point, *at(point.time_us));
     }
     bool covers(sea::TimeUs time_us) const override { return sea::in_time_range(time_us); }
 
   private:
+    using Moment = sea::DirectSum::Moment;
+    struct Kept {
+        sea::TimeUs time_us;
+        Moment moment;
+    };
+    /// A click asks for hundreds of points of one time, which all waves have to be turned to.
+    std::shared_ptr<const Moment> at(sea::TimeUs time_us) const {
+        const std::scoped_lock lock(mutex_);
+        if (!kept_ || kept_->time_us != time_us)
+            kept_ = std::make_shared<const Kept>(Kept{time_us, waves_->sum().at_time(time_us)});
+        return {kept_, &kept_->moment};
+    }
+
     const client::RebuiltSeaPtr waves_;
+    mutable std::mutex mutex_;
+    mutable std::shared_ptr<const Kept> kept_;
 };
 
 /// Runs from `start_us` on, as clocks do.

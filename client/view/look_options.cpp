@@ -15,7 +15,7 @@ namespace seaway::client {
 namespace {
 
 /// Of a cell of the mesh: what a device can hold, to coarser than any picture wants.
-constexpr Range cell_pixels{1, 64};
+constexpr Range cells_pixels{1, 64};
 
 Result<void> take_number(const char* option, double given, Range range, double unit, double& out) {
     if (std::isnan(given))
@@ -132,8 +132,9 @@ void LookWords::describe(CommandLine& line) {
                 "side of the mesh's far cells, pixels: finer or coarser than the quality's");
 }
 
-Result<void> LookWords::take(Look& look, Quality& quality) const {
-    SEAWAY_TRY(take_number("--density", density, cell_pixels, 1, quality.cell_pixels));
+Result<void> LookWords::take(Look& look, std::optional<double>& cell_pixels) const {
+    if (!std::isnan(density))
+        SEAWAY_TRY(take_number("--density", density, cells_pixels, 1, cell_pixels.emplace()));
     return take_look(*this, look);
 }
 

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "base/command_line.h"
-#include "client/view/quality.h"
 #include "client/view/sky/look.h"
 
 namespace seaway::client {
@@ -21,7 +21,7 @@ struct LookWords {
 
     void describe(CommandLine& line);
     /// The file, then what wins over it.
-    Result<void> take(Look& look, Quality& quality) const;
+    Result<void> take(Look& look, std::optional<double>& cell_pixels) const;
 };
 
 /// For --list-look.

@@ -36,7 +36,8 @@ constexpr const char* footer =
     "holds linear numbers. Options win over the file of --look. Without --offscreen a window "
     "opens;\n"
     "it connects again by itself.\n"
-    "Exit codes: 0 done or closed, 1 cannot write, 2 usage, 3 no usable device or no display,\n"
+    "Exit codes: 0 done or closed, 1 cannot write or no memory, 2 usage, 3 no usable device or no "
+    "display,\n"
     "5 cannot connect or lost, 6 refused by the server.";
 
 Result<void> read_size(const char* option, const std::string& text, Camera& camera) {
@@ -206,8 +207,30 @@ Result<void> take(const Words& words, ViewOptions& options) {
         SEAWAY_TRY_LET(options.quality, parse_quality(words.quality));
     }
     options.look_path = words.look.path;
-    SEAWAY_TRY(words.look.take(options.look, options.quality));
+    SEAWAY_TRY(words.look.take(options.look, options.cell_pixels));
+    options.quality = options.as_dense(options.quality);
     return check(words, options);
+}
+
+/// Where the number of a frame goes: #### or %04d.
+struct NumberField {
+    std::size_t first, end, digits;
+};
+
+std::optional<NumberField> number_field(const std::string& pattern, std::size_t from) {
+    if (const std::size_t hash = pattern.find('#', from); hash != std::string::npos) {
+        const std::size_t end = std::min(pattern.find_first_not_of('#', hash), pattern.size());
+        return NumberField{hash, end, end - hash};
+    }
+    for (std::size_t percent = pattern.find('%', from); percent != std::string::npos;
+         percent = pattern.find('%', percent + 1)) {
+        std::size_t end = percent + 1, digits = 0;
+        while (end < pattern.size() && pattern[end] >= '0' && pattern[end] <= '9' && digits < 100)
+            digits = 10 * digits + static_cast<std::size_t>(pattern[end++] - '0');
+        if (end < pattern.size() && pattern[end] == 'd')
+            return NumberField{percent, end + 1, std::max<std::size_t>(digits, 1)};
+    }
+    return std::nullopt;
 }
 
 void list_debug() {
@@ -296,20 +319,11 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
 }
 
 std::string frame_path(const std::string& pattern, int frame, int frames) {
-    if (const std::size_t hash = pattern.find('#'); hash != std::string::npos) {
-        const std::size_t end = std::min(pattern.find_first_not_of('#', hash), pattern.size());
-        return pattern.substr(0, hash) + fmt::format("{:0{}}", frame, end - hash) +
-               pattern.substr(end);
-    }
-    if (const std::size_t percent = pattern.find('%'); percent != std::string::npos) {
-        std::size_t end = percent + 1;
-        int digits = 0;
-        while (end < pattern.size() && pattern[end] >= '0' && pattern[end] <= '9' && digits < 100)
-            digits = 10 * digits + (pattern[end++] - '0');
-        if (end < pattern.size() && pattern[end] == 'd')
-            return pattern.substr(0, percent) + fmt::format("{:0{}}", frame, std::max(digits, 1)) +
-                   pattern.substr(end + 1);
-    }
+    const std::size_t name = pattern.rfind('/') + 1; // 0 where there is no folder
+    for (const std::size_t from : {name, std::size_t{0}})
+        if (const std::optional<NumberField> field = number_field(pattern, from))
+            return pattern.substr(0, field->first) + fmt::format("{:0{}}", frame, field->digits) +
+                   pattern.substr(field->end);
     if (frames == 1)
         return pattern;
     const std::size_t dot = pattern.rfind('.');

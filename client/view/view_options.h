@@ -36,18 +36,25 @@ struct ViewOptions {
     DebugChoice debug;
     bool sheet = false; ///< --debug all: every view in one picture
     Quality quality = quality_table[quality_high];
-    int bench_frames = 0; ///< above 0: these are drawn and timed, no file is written
+    std::optional<double> cell_pixels; ///< of --density; nothing: the quality's own
+    int bench_frames = 0;              ///< above 0: these are drawn and timed, no file is written
     std::string device = "auto";
     TileLimits limits; ///< of what is streamed
     double timeout_s = 20;
     std::string token_file;
     std::string ca_file;
+
+    /// A quality with the density that was asked for whatever the quality.
+    Quality as_dense(Quality of) const {
+        of.cell_pixels = cell_pixels.value_or(of.cell_pixels);
+        return of;
+    }
 };
 
 /// Exit codes of seaway-view: the public contract.
 enum class ViewExit : int {
     done = 0,
-    cannot_write = 1,
+    cannot_write = 1, ///< or no memory for what this program does itself
     usage = 2,
     no_device = 3,
     lost = 5,    ///< cannot connect, connection lost, or no answer in time
@@ -61,8 +68,8 @@ ViewExit view_exit(const Error& error);
 /// has been printed).
 std::variant<ViewOptions, int> read_view_options(int argc, const char* const* argv);
 
-/// "out/####.png" or "out/%04d.png" with the frame's number; a pattern without such a field is the
-/// path itself for a single frame, and has "-0000" put before its ending for several.
+/// "out/####.png" or "out/%04d.png" with the frame's number, of a field in the file's name rather than in a folder's; a
+/// pattern without one is the path itself for a single frame, and has "-0000" put before its ending for several.
 std::string frame_path(const std::string& pattern, int frame, int frames);
 
 } // namespace seaway::client

@@ -2,7 +2,6 @@
 #include "client/window/feed.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "client/link/reconnect.h"
 #include "client/view/sea/sea_source.h"
@@ -15,6 +14,9 @@ using Clock = std::chrono::steady_clock;
 
 /// A window shows the sea of now, or of a late frame.
 constexpr sea::TimeUs look_back_us = 1'000'000;
+
+/// No window that is closed waits longer for its thread.
+constexpr std::chrono::seconds patience{1};
 
 Link link_of(LinkState state) {
     switch (state) {
@@ -30,26 +32,27 @@ Link link_of(LinkState state) {
     return Link::stopped;
 }
 
-std::chrono::duration<double> seconds(double s) {
-    return std::chrono::duration<double>(s);
-}
-
 } // namespace
 
 Feed::Feed(const ConnectOptions& options, const TileLimits& limits)
     : state_(std::make_shared<State>()) {
     state_->options = options;
+    state_->options.stop = leaving_.get_token();
     state_->limits = limits;
-    std::thread([state = state_] { run(state); }).detach();
+    thread_ = std::thread([state = state_] { run(state); });
 }
 
 Feed::~Feed() {
     std::unique_lock lock(state_->mutex);
-    state_->stop = true;
+    leaving_.request_stop();
     state_->changed.notify_all();
-    state_->changed.wait_for(lock, seconds(0.3), [&] { return state_->ended; });
+    const bool ended = state_->changed.wait_for(lock, patience, [&] { return state_->ended; });
     const std::shared_ptr<Client> client = std::move(state_->client);
     lock.unlock(); // for its events
+    if (ended)
+        thread_.join();
+    else
+        thread_.detach();
 }
 
 std::shared_ptr<Client> Feed::client() const {
@@ -97,7 +100,8 @@ Result<std::shared_ptr<Client>> Feed::first_connection(const std::shared_ptr<Sta
 void Feed::run(const std::shared_ptr<State>& state) {
     ReconnectPauses pauses;
     std::unique_lock lock(state->mutex);
-    while (!state->stop && !state->client) {
+    const std::stop_token& stop = state->options.stop;
+    while (!stop.stop_requested() && !state->client) {
         state->status.link = Link::connecting;
         lock.unlock();
         Result<std::shared_ptr<Client>> client = first_connection(state);
@@ -110,7 +114,7 @@ void Feed::run(const std::shared_ptr<State>& state) {
         state->status.reason = client.error().message;
         state->next =
             Clock::now() + std::chrono::ceil<Clock::duration>(pauses.next(client.error()));
-        state->changed.wait_until(lock, state->next, [&] { return state->stop; });
+        state->changed.wait_until(lock, state->next, [&] { return stop.stop_requested(); });
     }
     state->ended = true;
     state->changed.notify_all();

@@ -2,8 +2,8 @@
 // Feed: a client that is waited for. A thread of its own connects and subscribes to what is drawn, with the waits of
 // link/reconnect.h until that is had once; from then on the client goes on by itself (client.h).
 //
-// Thread-safe; nothing but the destructor blocks, a third of a second: an attempt that still waits for a silent host then
-// ends by itself, later.
+// Thread-safe; nothing but the destructor blocks, until its thread has ended: a moment. Of a host whose name is still looked
+// for, or of a server that does not answer a subscription, it stays behind after a second and ends by itself, later.
 #pragma once
 
 #include <array>
@@ -13,7 +13,9 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include "client/client.h"
 #include "client/tile_limits.h"
@@ -56,7 +58,7 @@ class Feed {
         TileLimits limits;
         std::mutex mutex;
         std::condition_variable changed;
-        bool stop = false, ended = false;
+        bool ended = false; ///< the thread
         FeedStatus status;
         std::chrono::steady_clock::time_point next;
         std::shared_ptr<Counts> counts = std::make_shared<Counts>(); ///< by the client's events
@@ -65,7 +67,9 @@ class Feed {
     static void run(const std::shared_ptr<State>& state);
     static Result<std::shared_ptr<Client>> first_connection(const std::shared_ptr<State>& state);
 
+    std::stop_source leaving_;
     std::shared_ptr<State> state_;
+    std::thread thread_;
 };
 
 } // namespace seaway::client

@@ -39,7 +39,10 @@ std::string flags_text(std::uint32_t flags) {
         {sea::answer_not_converged, "not converged"},
         {sea::answer_extrapolated, "extrapolated"},
         {sea::answer_invalid, "invalid"},
-        {sea::answer_vertical_velocity, "vertical velocity alone"}};
+        {sea::answer_exact, "exact"},
+        {sea::answer_vertical_velocity, "vertical velocity alone"},
+        {sea::answer_stale, "stale"},
+        {sea::answer_dry, "dry"}};
     for (const auto& [flag, name] : names)
         if ((flags & flag) != 0)
             text += (text.empty() ? "" : ", ") + std::string(name);

@@ -157,6 +157,7 @@ void Panels::view(const WindowModel& model, ViewChoice& choice) {
         for (std::size_t i = 0; i < quality_table.size(); ++i) {
             if (ImGui::Selectable(quality_table[i].name.data(), i == choice.quality))
                 choice.quality = i;
+            note(quality_table[i].name.data());
             if (ImGui::IsItemHovered())
                 ImGui::SetTooltip("%s", quality_table[i].meaning.data());
         }

@@ -4,7 +4,9 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
+#include "client/client.h"
 #include "client/local_surface.h"
 
 namespace seaway::client {
@@ -32,6 +34,22 @@ class HeldPoints final : public Points {
 
   private:
     LocalSurface held_;
+};
+
+/// The same of a client, which knows what it may not have been told: what Client::sample() says, as long as it has an answer.
+class ClientPoints final : public Points {
+  public:
+    ClientPoints(std::shared_ptr<const Client> client, LocalSurface held)
+        : client_(std::move(client)), held_(std::move(held)) {}
+    sea::Answer answer(const sea::QueryPoint& point) const override {
+        const Result<std::vector<sea::Answer>> sampled = client_->sample({&point, 1});
+        return sampled ? sampled->front() : held_.answer(point);
+    }
+    bool covers(sea::TimeUs time_us) const override { return held_.covers(time_us); }
+
+  private:
+    const std::shared_ptr<const Client> client_;
+    const HeldPoints held_;
 };
 
 } // namespace seaway::client

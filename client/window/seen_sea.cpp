@@ -16,8 +16,9 @@ Result<std::optional<SeenSea::Moment>> StreamedSea::now() {
     Result<LocalSurface> surface = client->surface(now_us);
     if (!surface)
         return std::optional<Moment>();
-    return std::optional<Moment>({std::move(*frame), client->sea_state(now_us),
-                                  std::make_shared<const HeldPoints>(std::move(*surface))});
+    return std::optional<Moment>(
+        {std::move(*frame), client->sea_state(now_us),
+         std::make_shared<const ClientPoints>(client, std::move(*surface))});
 }
 
 SeenSea::Counts StreamedSea::counts() const {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/format.h>
+
 #include "base/elapsed.h"
 #include "base/text_file.h"
 #include "client/view/look_file.h"
@@ -208,26 +210,37 @@ Result<void> Viewer::fit_renderer(const glm::ivec2& pixels) {
         wanted_since_ = Clock::now();
     }
     const bool other_quality = choice_.quality != drawn_quality_;
-    const bool other_size = pixels != drawn_pixels_ && seconds_since(wanted_since_) > settled_s;
+    const bool other_size = pixels != drawn_pixels_ && pixels != refused_pixels_ &&
+                            seconds_since(wanted_since_) > settled_s;
     if (renderer_ && !other_quality && !other_size)
         return {};
-    return create_renderer(pixels);
+    const bool first = !renderer_;
+    const Result<void> made = create_renderer(pixels, choice_.quality);
+    refused_pixels_ = {};
+    fit_problem_.clear();
+    if (made || first)
+        return made;
+    fit_problem_ = fmt::format("{}, {} x {}: {}", quality_table[choice_.quality].name, pixels.x,
+                               pixels.y, made.error().message);
+    choice_.quality = drawn_quality_; // not tried again before something else is asked for
+    refused_pixels_ = pixels;
+    return create_renderer(drawn_pixels_, drawn_quality_);
 }
 
-Result<void> Viewer::create_renderer(const glm::ivec2& pixels) {
+Result<void> Viewer::create_renderer(const glm::ivec2& pixels, std::size_t quality) {
     if (renderer_)
         SEAWAY_TRY(renderer_->finish());
     vkDeviceWaitIdle(device_->get());
     gui_->set_picture(nullptr);
     picture_is_set_ = false;
     renderer_.reset(); // two do not lie in memory at once
-    Result<Renderer> made =
-        Renderer::create(*device_, pixels.x, pixels.y, {.quality = quality_table[choice_.quality]});
+    Result<Renderer> made = Renderer::create(
+        *device_, pixels.x, pixels.y, {.quality = options_.as_dense(quality_table[quality])});
     if (!made)
         return made.error();
     renderer_.emplace(std::move(*made));
     drawn_pixels_ = pixels;
-    drawn_quality_ = choice_.quality;
+    drawn_quality_ = quality;
     drawn_inputs_ = {};
     return {};
 }
@@ -323,7 +336,9 @@ void Viewer::fill_model() {
     if (model_.stale_s)
         model_.notice = stale_text(*model_.stale_s);
     else if (frame_)
-        model_.notice = skies_.error().empty() ? debug_problem_ : skies_.error();
+        model_.notice = !fit_problem_.empty()     ? fit_problem_
+                        : !skies_.error().empty() ? skies_.error()
+                                                  : debug_problem_;
     else
         model_.notice = "no sea yet: " + sea_->name() +
                         (sea_->reason().empty() ? "" : " (" + sea_->reason() + ")");

@@ -46,13 +46,16 @@ class Viewer {
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
 
-    /// One frame. False: the window was closed. An error: the device is lost.
+    /// One frame. False: the window was closed. An error: the device is lost. A quality or a size that it has not the
+    /// memory for is none: the sea is drawn as before, and the notice says so.
     Result<bool> step();
 
     const WindowModel& model() const { return model_; }
     const ViewChoice& choice() const { return choice_; }
     const Panels& panels() const { return panels_; }
     const Camera& camera() const { return pilot_.camera(); }
+    /// What the sea is drawn by.
+    const std::optional<Renderer>& renderer() const { return renderer_; }
     const std::optional<Probe>& probe() const { return probe_; }
     const gpu::Device& device() const { return *device_; }
     glm::ivec2 pixels() const { return window_->pixels(); }
@@ -72,7 +75,7 @@ class Viewer {
     explicit Viewer(const ViewOptions& options);
     Result<void> create(const OpenSea& open_sea, bool validation);
     Result<void> fit_renderer(const glm::ivec2& pixels);
-    Result<void> create_renderer(const glm::ivec2& pixels);
+    Result<void> create_renderer(const glm::ivec2& pixels, std::size_t quality);
     Result<void> take_sea();
     void take_input(double seconds);
     void move_with_the_sea(double seconds);
@@ -94,6 +97,8 @@ class Viewer {
     std::array<gpu::Commands, gpu::Swapchain::flights> commands_;
     std::optional<Renderer> renderer_;
     glm::ivec2 drawn_pixels_{0}, wanted_pixels_{0};
+    glm::ivec2 refused_pixels_{0}; ///< of a window that the device cannot draw for; 0: none
+    std::string fit_problem_;      ///< why the quality or the size that was asked for is not drawn
     std::size_t drawn_quality_ = 0;
     Clock::time_point wanted_since_;
     bool picture_is_set_ = false;

@@ -156,6 +156,11 @@ TEST(FramePath, puts_the_number_where_the_pattern_says) {
     EXPECT_EQ(frame_path("50%.png", 0, 1), "50%.png") << "no pattern";
     EXPECT_EQ(frame_path("50%.png", 2, 3), "50%-0002.png");
     EXPECT_EQ(frame_path("#/b.png", 5, 9), "5/b.png");
+    // Naive: the first sign decides, which may be of a folder, or of a share.
+    EXPECT_EQ(frame_path("C#/##.png", 5, 9), "C#/05.png");
+    EXPECT_EQ(frame_path("C#/%02d.png", 5, 9), "C#/05.png");
+    EXPECT_EQ(frame_path("%d/%02d.png", 5, 9), "%d/05.png");
+    EXPECT_EQ(frame_path("50%_%04d.png", 2, 3), "50%_0002.png");
 }
 
 } // namespace

@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // What panels show, without pixels.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <filesystem>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "client/view/sea/sea_source.h"
 #include "client/window/feed.h"
 #include "client/window/glfw_window.h"
 #include "client/window/model.h"
@@ -87,6 +96,31 @@ TEST(Feed, stays_away_for_as_long_as_a_server_that_stops_asks) {
     EXPECT_LE(status.next_s, 1200);
 }
 
+std::size_t threads() {
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator("/proc/self/task"), {}));
+}
+
+// Naive: nobody tells its thread to stop, which goes on after the window until its patience with the server ends.
+TEST(Feed, leaves_no_thread_that_waits_for_a_silent_server) {
+    const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in at{.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
+    socklen_t size = sizeof at;
+    ASSERT_EQ(::bind(silent, reinterpret_cast<sockaddr*>(&at), size), 0);
+    ASSERT_EQ(::listen(silent, 4), 0);
+    ASSERT_EQ(::getsockname(silent, reinterpret_cast<sockaddr*>(&at), &size), 0);
+    const std::size_t before = threads();
+    {
+        Feed feed({.url = fmt::format("ws://127.0.0.1:{}", ntohs(at.sin_port)), .timeout_s = 600});
+        pollfd waits{silent, POLLIN, 0};
+        ASSERT_EQ(::poll(&waits, 1, 60'000), 1) << "it has come";
+    }
+    for (int i = 0; i < 12'000 && threads() > before; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_EQ(threads(), before);
+    ::close(silent);
+}
+
 // A frame that is still drawn has it. What the feed counted must be there for as long as the client counts: the sanitizers
 // see it where it is not.
 TEST(Feed, may_go_before_those_who_have_its_client) {
@@ -107,6 +141,36 @@ TEST(Feed, may_go_before_those_who_have_its_client) {
     for (int i = 0; i < 12'000 && client->now_us() < then_us; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     EXPECT_TRUE(client->is_open());
+}
+
+// Naive: the surface that is held answers by itself, and knows nothing of what its client may have missed.
+TEST(Model, a_probe_says_what_its_client_says_of_a_server_that_is_gone) {
+    tests::ServerProcess server(
+        {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    Result<std::unique_ptr<Client>> connected =
+        Client::connect({.url = url}, {}, {.as_splines = true});
+    ASSERT_TRUE(connected) << connected.error().message;
+    const std::shared_ptr<Client> client = std::move(*connected);
+    const Result<Grant> grant = client->subscribe({.fields = drawn_fields}, Feed::credit, 60);
+    ASSERT_TRUE(grant) << grant.error().message;
+    server.send(SIGKILL);
+    for (int i = 0; i < 12'000 && client->is_open(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ASSERT_FALSE(client->is_open());
+    const sea::QueryPoint point{1, 2, client->status().held_until_us - 1};
+    Result<LocalSurface> surface = client->surface(point.time_us);
+    ASSERT_TRUE(surface) << surface.error().message;
+    const ClientPoints points(client, std::move(*surface));
+    Probe probe({point.x_m, point.y_m});
+    probe.read(points, point.time_us);
+    ASSERT_TRUE(probe.answer());
+    const Result<std::vector<sea::Answer>> said = client->sample({&point, 1});
+    ASSERT_TRUE(said) << said.error().message;
+    EXPECT_EQ(probe.answer()->flags, said->front().flags);
+    EXPECT_EQ(probe.answer()->error_m, said->front().error_m);
+    EXPECT_THAT(value_of(probe_rows(&probe), "flags"), HasSubstr("stale"));
 }
 
 TEST(Model, a_sea_is_told_as_it_was_asked_for_and_as_it_is) {

@@ -332,6 +332,58 @@ TEST_F(WindowTest, a_lost_device_is_said_by_the_call_that_found_it) {
     EXPECT_THAT(stepped.error().message, testing::HasSubstr("device lost"));
 }
 
+// Naive: only the quality's name is kept, and its own density is drawn.
+TEST_F(WindowTest, the_density_that_was_asked_for_is_drawn_in_every_quality) {
+    ViewOptions dense = options();
+    dense.cell_pixels = 20;
+    open(dense);
+    EXPECT_EQ(viewer_->renderer()->options().quality, dense.as_dense(quality_table[quality_low]));
+    choose_quality("default");
+    step();
+    EXPECT_EQ(viewer_->renderer()->options().quality,
+              dense.as_dense(quality_table[quality_default]));
+}
+
+// Naive: what the device has no memory for ends the program.
+TEST_F(WindowTest, a_quality_that_cannot_be_drawn_is_said_and_the_sea_goes_on_as_before) {
+    open(options());
+    choose_quality("default");
+    gpu::fault::arm(30, VK_ERROR_OUT_OF_DEVICE_MEMORY); // of the calls that a renderer is made by
+    step(1);
+    gpu::fault::disarm();
+    step();
+    EXPECT_THAT(viewer_->model().notice,
+                testing::AllOf(testing::StartsWith("default, 720 x 400: "),
+                               testing::HasSubstr("VK_ERROR_OUT_OF_DEVICE_MEMORY")));
+    EXPECT_EQ(viewer_->choice().quality, quality_low);
+    EXPECT_EQ(viewer_->renderer()->options().quality, quality_table[quality_low]);
+    const std::uint64_t drawn = viewer_->sea_frames();
+    ASSERT_TRUE(step_until([&] { return viewer_->sea_frames() > drawn + 2; }));
+    choose_quality("default"); // there is memory by now
+    step();
+    EXPECT_EQ(viewer_->renderer()->options().quality, quality_table[quality_default]);
+    EXPECT_EQ(viewer_->model().notice, "");
+}
+
+TEST_F(WindowTest, a_size_that_cannot_be_drawn_is_said_and_not_tried_again) {
+    open(options());
+    const glm::ivec2 before = viewer_->drawn_pixels();
+    display_->tool(fmt::format("windowsize {} {} {}", window_id(), 1000, 700));
+    ASSERT_TRUE(step_until([&] {
+        gpu::fault::arm(60, VK_ERROR_OUT_OF_DEVICE_MEMORY); // a frame alone has fewer calls
+        return !viewer_->model().notice.empty();
+    }));
+    gpu::fault::disarm();
+    EXPECT_THAT(viewer_->model().notice, testing::StartsWith("low, 1000 x 700: "));
+    step(30);
+    EXPECT_EQ(viewer_->drawn_pixels(), before);
+    EXPECT_THAT(viewer_->model().notice, testing::StartsWith("low, 1000 x 700: "));
+    display_->tool(fmt::format("windowsize {} {} {}", window_id(), 500, 300));
+    ASSERT_TRUE(step_until([&] { return viewer_->drawn_pixels() == glm::ivec2(500, 300); }));
+    step();
+    EXPECT_EQ(viewer_->model().notice, "");
+}
+
 TEST_F(WindowTest, opens_without_a_server_and_says_why_there_is_no_sea) {
     ViewOptions nowhere = options();
     nowhere.url = "ws://127.0.0.1:1";

@@ -120,6 +120,19 @@ class WindowTest : public testing::Test {
     void mouse(double x, double y) const {
         display_->tool(fmt::format("mousemove {:.0f} {:.0f}", x, y));
     }
+    /// By the panel's list; the next frame is to be drawn by it.
+    void choose_quality(const std::string& name) {
+        for (const std::string& click : {std::string("quality"), name}) {
+            ASSERT_TRUE(step_until([&] { return viewer_->panels().places().contains(click); }));
+            step(); // a list has its place from its second frame on
+            const Panels::Box at = viewer_->panels().places().at(click);
+            mouse(at.low.x + 5, (at.low.y + at.high.y) / 2);
+            step(2);
+            display_->tool("click 1");
+        }
+        ASSERT_TRUE(
+            step_until([&] { return quality_table[viewer_->choice().quality].name == name; }));
+    }
     std::string window_id() const {
         std::string id = display_->tool("search --name Seaway");
         return id.substr(0, id.find('\n'));
