@@ -3,7 +3,7 @@
  * textures, foam and displacement at points, waves too short to matter left out, questions without waiting, and what
  * answers come from. Frame, units, threads, memory and errors are as seaway.h says.
  *
- * Structs that begin with `size` carry it: set it to sizeof(the struct), the rest to 0 (SEAWAY_SIZED). A program that was
+ * Structs that begin with `size` carry it: set it to sizeof(the struct), the rest to 0 (SEAWAY_SIZED); more than 4096 is refused. A program that was
  * built with an older header runs with a newer library: what it does not know is as if it were 0, or is not written. A
  * newer program that sets what an older library does not know is told SEAWAY_BAD_ARGUMENT.
  *
