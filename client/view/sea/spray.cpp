@@ -43,8 +43,9 @@ SprayValues spray_values(const SeaFrame& frame, const Camera& camera, int slots)
     if (slots == 0 || frame.foam_mean <= spray_from_cover)
         return out;
     out.slots = slots;
-    const double first[2] = {std::floor(camera.x_m / Spray::cell_m) - Spray::cells / 2,
-                             std::floor(camera.y_m / Spray::cell_m) - Spray::cells / 2};
+    constexpr int cells_before = Spray::cells / 2;
+    const double first[2] = {std::floor(camera.x_m / Spray::cell_m) - cells_before,
+                             std::floor(camera.y_m / Spray::cell_m) - cells_before};
     const double eye_m[2] = {camera.x_m, camera.y_m};
     for (std::size_t i = 0; i < 2; ++i) {
         out.base[i] = wrapped(first[i]);

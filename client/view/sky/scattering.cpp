@@ -92,7 +92,8 @@ Transfer transfer_at(const Air& air, const TransmittanceTable& transmittance, do
     constexpr int n = directions_a_side;
     Transfer sum{glm::dvec3(0), glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
     for (int i = 0; i < n * n; ++i) {
-        const double z = 1 - 2 * (i / n + 0.5) / n; // equal solid angles
+        const int ring = i / n;
+        const double z = 1 - 2 * (ring + 0.5) / n; // equal solid angles
         const double turn = 2 * pi * (i % n + 0.5) / n, level = std::sqrt(1 - z * z);
         const glm::dvec3 direction(level * std::cos(turn), level * std::sin(turn), z);
         const Ray ray = ray_from(air, height_m, z);
