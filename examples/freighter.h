@@ -25,9 +25,9 @@ class Freighter {
             for (std::uint32_t i = 0; i < corners; ++i)
                 add_side(corners * ring + i, corners * ring + (i + 1) % corners);
         for (std::uint32_t i = 2; i < corners; ++i) {
-            add_triangle(0, i, i - 1); // stern
+            add_triangle(0, i - 1, i); // stern
             const std::uint32_t bow = corners * (rings - 1);
-            add_triangle(bow, bow + i - 1, bow + i);
+            add_triangle(bow, bow + i, bow + i - 1);
         }
         describe();
     }

@@ -273,6 +273,26 @@ TEST_F(NetDoor, the_administrators_token_is_not_taken_where_others_could_have_re
     EXPECT_EQ(log.lines_with("event=session_open", "administrator=true").size(), 2u);
 }
 
+// Naive: its line is one of the 200 of that second, which anybody can use up.
+TEST_F(NetDoor, what_an_administrator_does_is_in_the_log_whatever_others_do) {
+    const auto core = std::make_shared<server::Core>(
+        options, host, [](const server::Core::Work& work) { work(); });
+    core->tokens.admin = "master";
+    NoLink link;
+    server::Session session(*core, link,
+                            {.name = "127.0.0.1:4711",
+                             .address = core->addresses.of("127.0.0.1", {}),
+                             .loopback = true},
+                            server::Standing::stranger);
+    session.receive(protocol::hello("door", "master"));
+    for (int i = 0; i < 1000; ++i)
+        core->log("event=connection_refused");
+    session.receive(protocol::change(7, {.set = {"a=1"}, .over_us = 20'000'000}));
+    EXPECT_LT(log.lines_with("event=connection_refused").size(), 1000u);
+    EXPECT_EQ(log.lines_with("event=change_asked", "peer=127.0.0.1:4711").size(), 1u);
+    EXPECT_EQ(log.lines_with("event=change_refused").size(), 1u);
+}
+
 // The same for pages, from a function: no test comes from another machine.
 TEST_F(NetDoor, what_a_token_was_worth_decides_which_status_a_page_has) {
     const auto core = std::make_shared<server::Core>(options, host, nullptr);

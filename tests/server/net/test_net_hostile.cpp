@@ -374,27 +374,5 @@ TEST_F(NetHostile, a_flood_of_bad_connections_is_not_a_flood_of_log) {
     EXPECT_GE(log.lines_with("event=connection_refused").size(), 200u);
 }
 
-// Naive: its line is one of the 200 of that second, which anybody can use up.
-TEST_F(NetHostile, what_an_administrator_does_is_in_the_log_whatever_others_do) {
-    options.admin_token_file = folder().write("busy_admin", "master\n");
-    start();
-    const auto admin = greeted("master");
-    const auto flood = [&] {
-        for (int i = 0; i < 400; ++i) {
-            RawPeer peer(port());
-            peer.say(std::string_view("\0\0\0\r\n\r\n", 7));
-        }
-    };
-    for (int i = 0; i < 6; ++i) { // some of them while no other line has a place
-        flood();
-        ASSERT_FALSE(admin->send(protocol::change(7, {.set = {"a=1"}, .over_us = 20'000'000})));
-        ASSERT_TRUE(admin->receive(Body::Refused)) << "this sea does not change";
-    }
-    net->stop();
-    EXPECT_EQ(log.lines_with("event=change_asked").size(), 6u);
-    EXPECT_EQ(log.lines_with("event=change_refused").size(), 6u);
-    EXPECT_FALSE(log.lines_with("event=log_lines_left_out").empty());
-}
-
 } // namespace
 } // namespace seaway::tests
