@@ -16,6 +16,15 @@ double seconds(const timeval& time) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
+std::optional<double> open_files(const std::filesystem::path& process) {
+    std::error_code error;
+    double count = 0;
+    for (std::filesystem::directory_iterator file(process / "fd", error), end;
+         !error && file != end; file.increment(error))
+        ++count;
+    return error ? std::nullopt : std::optional(count);
+}
+
 } // namespace
 
 double process_cpu_s() {
@@ -24,20 +33,12 @@ double process_cpu_s() {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-std::optional<double> open_files() {
-    std::error_code error;
-    double count = 0;
-    for (std::filesystem::directory_iterator file("/proc/self/fd", error), end;
-         !error && file != end; file.increment(error))
-        ++count;
-    return error ? std::nullopt : std::optional(count);
-}
-
-std::string process_metrics_text() {
+std::string process_metrics_text(const std::filesystem::path& process) {
     rlimit files{};
     getrlimit(RLIMIT_NOFILE, &files);
     double pages = 0, resident_pages = 0;
-    std::ifstream("/proc/self/statm") >> pages >> resident_pages;
+    std::ifstream statm(process / "statm");
+    const bool knows_memory = static_cast<bool>(statm >> pages >> resident_pages);
 
     std::string text;
     const auto add = [&text](const char* name, const char* type, const char* help, double value) {
@@ -46,10 +47,11 @@ std::string process_metrics_text() {
     };
     add("cpu_seconds_total", "counter", "Processor time, of users and of the system.",
         process_cpu_s());
-    add("resident_memory_bytes", "gauge", "Memory that is held.",
-        resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
-    if (const std::optional<double> count =
-            open_files()) // none: it would take one more to count them
+    // To look takes a free file. Where there is none they are left out: what nobody knows is not 0.
+    if (knows_memory)
+        add("resident_memory_bytes", "gauge", "Memory that is held.",
+            resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
+    if (const std::optional<double> count = open_files(process))
         add("open_fds", "gauge", "Open files and connections.", *count);
     add("max_fds", "gauge", "How many there may be.", static_cast<double>(files.rlim_cur));
     return text;

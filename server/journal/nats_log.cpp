@@ -129,6 +129,13 @@ Result<Context> context_of(natsConnection* connection) {
     return Context(made);
 }
 
+bool is_there(jsCtx* context, const std::string& stream) {
+    jsStreamInfo* found = nullptr;
+    const natsStatus status = js_GetStreamInfo(&found, context, stream.c_str(), nullptr, nullptr);
+    const Info info(found);
+    return status == NATS_OK;
+}
+
 } // namespace
 
 NatsLog::NatsLog(NatsConnection connection)
@@ -169,10 +176,12 @@ Result<void> NatsLog::make_stream() {
     config.AllowDirect = true;
     jsErrCode code = {};
     const natsStatus status = js_AddStream(nullptr, context.get(), &config, nullptr, &code);
-    // Of several who make it at once the others find it there.
-    if (status == NATS_OK || code == JSStreamNameExistErr)
-        return {};
     const std::string why = said(status, code);
+    // Of several who make it at once the others find it there, by its name or, in the moment in which it is made, by its
+    // subject alone: which another's stream may have, too.
+    if (status == NATS_OK || code == JSStreamNameExistErr ||
+        (code == JSStreamSubjectOverlapErr && is_there(context.get(), stream_)))
+        return {};
     if (is_final(status, code))
         return Error{fmt::format("stream {} cannot be made: {}", stream_, why)};
     return unanswered(connection, LogFailure::unreachable, why);
