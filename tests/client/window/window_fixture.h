@@ -107,6 +107,14 @@ class WindowTest : public testing::Test {
         EXPECT_TRUE(step_until([&] { return n++ == frames; }));
     }
 
+    /// The notice begins so, or, of nothing, there is none; on a busy machine a stale sea may be said meanwhile.
+    bool says(std::string_view words) {
+        return step_until([&] {
+            const std::string& notice = viewer_->model().notice;
+            return words.empty() ? notice.empty() : notice.starts_with(words);
+        });
+    }
+
     std::string text() const {
         std::string all = viewer_->model().notice + "\n";
         for (const auto& rows : {viewer_->model().connection, viewer_->model().sea})
