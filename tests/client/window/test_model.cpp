@@ -117,7 +117,7 @@ TEST(Feed, leaves_no_thread_that_waits_for_a_silent_server) {
     }
     for (int i = 0; i < 12'000 && threads() > before; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    EXPECT_EQ(threads(), before);
+    EXPECT_LE(threads(), before);
     ::close(silent);
 }
 
