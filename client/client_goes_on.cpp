@@ -51,7 +51,9 @@ Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, C
     if (options.threadless) {
         SEAWAY_TRY_LET(client->readiness_, Readiness::create());
     }
-    const std::stop_callback given_up(options.stop, [&] { client->leaving_.request_stop(); });
+    // Not by way of `client`, which whoever called has before this ends.
+    const std::stop_callback given_up(options.stop,
+                                      [&leaving = client->leaving_] { leaving.request_stop(); });
     if (const Result<void> opened = client->open_link(); !opened)
         return told(opened.error(), Failure::cannot_connect);
     if (!options.stays_lost && !options.threadless)

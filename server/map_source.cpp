@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/map_source.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -55,25 +55,16 @@ Error bad_value(std::string why) {
     return {Refusal::bad_value, std::move(why)};
 }
 
-/// Of what from_chars finds out of range: 0 where it is too small to be told from it, else the end on its side.
-template <class T>
-T beyond(std::string_view text) {
-    const bool small =
-        std::is_floating_point_v<T> && std::strtod(std::string(text).c_str(), nullptr) == 0;
-    const bool negative = text.starts_with('-');
-    return small      ? T{}
-           : negative ? std::numeric_limits<T>::lowest()
-                      : std::numeric_limits<T>::max();
-}
-
 /// The whole text as a number, or an error that names the parameter.
 template <class T>
 Result<void> read_number(const std::string& name, const std::string& text, T& to) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), to);
     if (end != text.data() + text.size() || error == std::errc::invalid_argument)
         return bad_value(fmt::format("{} = \"{}\" is not a number", name, text));
-    if (error != std::errc()) // no T holds it: the range of the field says what does
-        to = beyond<T>(text);
+    using Limits = std::numeric_limits<T>;
+    if (error != std::errc()) // no T holds it: the nearest does, and is held to the field's range
+        to = static_cast<T>(std::clamp<double>(std::strtod(text.c_str(), nullptr), Limits::lowest(),
+                                               Limits::max()));
     return {};
 }
 

@@ -90,6 +90,10 @@ class Session {
     void on_change(const wire::Change& change);
     void on_administer(const wire::Administer& administer);
     void changed(std::uint32_t request_id, const Result<SeaPromise>& promise);
+    /// `ask`s the host where spectra are made, so that the network's thread does not wait for it; then `take`, on that thread, of
+    /// this session if it is still there. Where there is no memory that is the answer. False: too much waits already.
+    template <class Ask, class Take>
+    bool ask_behind(Ask ask, Take take);
     using JournalText = Result<std::string> (Host::*)(std::uint64_t) const;
     void read_journal(std::uint32_t request_id, JournalText text, std::uint64_t number);
     void told(std::uint32_t request_id, const Result<std::string>& text);

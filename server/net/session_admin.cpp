@@ -8,9 +8,9 @@
 #include "base/messages.h"
 #include "protocol/limits.h"
 #include "server/host/refusal.h"
-#include "server/net/fetch_job.h"
 #include "server/net/refusals.h"
 #include "server/net/session.h"
+#include "server/net/session_behind.h"
 
 namespace seaway::server {
 
@@ -131,25 +131,11 @@ void Session::read_journal(std::uint32_t request_id, JournalText text, std::uint
         return refuse(request_id, {ErrorCode::too_many_requests,
                                    fmt::format("{} readings of the journal are not answered yet",
                                                journal_reads_)});
-    const auto read = [weak = core_.weak_from_this(), session = id_, request_id, text,
-                       number](Encoder&) {
-        const std::shared_ptr<Core> core = weak.lock();
-        if (core == nullptr)
-            return true;
-        Result<std::string> said = no_memory();
-        try {
-            said = (core->host.*text)(number);
-        } catch (const std::bad_alloc&) { // who asks waits for an answer
-        }
-        core->post([weak, session, request_id, said = std::move(said)] {
-            const std::shared_ptr<Core> here = weak.lock();
-            if (Session* found = here ? here->find(session) : nullptr)
-                found->or_drop([&] { found->told(request_id, said); });
-        });
-        return true;
-    };
     ++journal_reads_;
-    if (!core_.spectra.submit_start(read))
+    if (!ask_behind([text, number](Host& host) { return (host.*text)(number); },
+                    [request_id](Session& session, const Result<std::string>& said) {
+                        session.told(request_id, said);
+                    }))
         told(request_id, Error{Refusal::busy, "too much waits to be read or made already"});
 }
 

@@ -7,8 +7,8 @@
 
 #include "protocol/limits.h"
 #include "server/host/refusal.h"
-#include "server/net/fetch_job.h"
 #include "server/net/session.h"
+#include "server/net/session_behind.h"
 
 namespace seaway::server {
 
@@ -19,14 +19,6 @@ namespace {
 
 /// Waves that are owed, for which there was no room.
 constexpr std::chrono::seconds spectra_again_after{1};
-
-Result<GrantedSpectrum> made_by(Host& host, const SpectrumRequest& request) {
-    try {
-        return host.spectrum(request);
-    } catch (const std::bad_alloc&) { // who asks waits for an answer
-        return no_memory();
-    }
-}
 
 } // namespace
 
@@ -56,19 +48,10 @@ void Session::make_spectra(std::optional<std::uint32_t> request_id) {
                                   .has = spectra_sent_};
     if (const std::optional<GrantedSpectrum> held = core_.host.held_spectrum(request))
         return spectra_made(request_id, *held); // waits behind nothing that others have made
-    const auto make = [weak = core_.weak_from_this(), session = id_, request_id,
-                       request](Encoder&) {
-        const std::shared_ptr<Core> core = weak.lock();
-        if (core == nullptr)
-            return true;
-        core->post([weak, session, request_id, granted = made_by(core->host, request)] {
-            const std::shared_ptr<Core> here = weak.lock();
-            if (Session* found = here ? here->find(session) : nullptr)
-                found->or_drop([&] { found->spectra_made(request_id, granted); });
-        });
-        return true;
-    };
-    if (!core_.spectra.submit_start(make))
+    if (!ask_behind([request](Host& host) { return host.spectrum(request); },
+                    [request_id](Session& session, const Result<GrantedSpectrum>& granted) {
+                        session.spectra_made(request_id, granted);
+                    }))
         spectra_made(request_id, Error{Refusal::busy, "too many spectra wait to be made already"});
 }
 

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/client/engine.h"
+#include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 
 namespace seaway {

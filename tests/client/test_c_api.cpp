@@ -14,6 +14,7 @@
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
 #include "tests/server/net/tcp.h"
+#include "tests/support/eventually.h"
 
 extern "C" seaway_code one_frame_in_c(const char* url, seaway_answer* water);
 

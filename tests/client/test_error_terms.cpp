@@ -8,6 +8,7 @@
 #include "sea/surface/surface.h"
 #include "tests/client/engine.h"
 #include "tests/support/allocations.h"
+#include "tests/support/eventually.h"
 
 namespace seaway {
 namespace {

@@ -22,6 +22,7 @@
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/reference.h"
 #include "server/host/host.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::tests {
 
@@ -253,17 +254,5 @@ class WaveSea : public server::Host {
     const sea::TimeUs start_us_ = 1'000'000'000;
     const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
-
-/// Waits for a condition of another thread; true if it came within 10 s.
-template <class Condition>
-bool eventually(const Condition& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > deadline)
-            return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    return true;
-}
 
 } // namespace seaway::tests

@@ -64,11 +64,4 @@ inline int times_in(const std::string& log, const std::string& words) {
     return count;
 }
 
-template <class Condition>
-bool comes_true(const Condition& condition) {
-    for (int i = 0; i < 6000 && !condition(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return condition();
-}
-
 } // namespace seaway::changes

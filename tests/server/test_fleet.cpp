@@ -18,6 +18,7 @@
 #include "server/journal/peer_clocks.h"
 #include "server/journal/sea_clock.h"
 #include "tests/server/fleet_bench.h"
+#include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/nats_server.h"
 
@@ -65,10 +66,10 @@ TEST(Fleet, a_change_at_one_server_is_the_sea_of_all_and_of_who_comes_later) {
     const Said said = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;
     const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
-    EXPECT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; })) << b.log();
+    EXPECT_TRUE(tests::eventually([&] { return journal_of(at_b)["played"] == 2; })) << b.log();
     EXPECT_GT(start_s, sea::seconds_from_us(watcher->now_us())) << "known before it begins";
     ASSERT_EQ(ctl(at_b, {"rate", "0.5"}).code, 0);
-    EXPECT_TRUE(comes_true([&] { return journal_of(at_a)["played"] == 3; })) << a.log();
+    EXPECT_TRUE(tests::eventually([&] { return journal_of(at_a)["played"] == 3; })) << a.log();
     ServerProcess later(arguments_of(world));
     const std::string at_later = later.wait_until_ready();
     ASSERT_FALSE(at_later.empty()) << later.log();
@@ -122,7 +123,7 @@ TEST(Fleet, foam_is_the_same_of_who_was_there_when_the_wind_rose_and_of_who_came
     const Said said = ctl(at_old, {"set", "systems.0.wind_speed_10m_mps=23", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;
     const sea::TimeUs time_us = sea::us_from_seconds(number(said.words, "end_s") + 3);
-    ASSERT_TRUE(comes_true([&] { return reader->now_us() > time_us; }));
+    ASSERT_TRUE(tests::eventually([&] { return reader->now_us() > time_us; }));
     ServerProcess fresh(words);
     const std::string at_fresh = fresh.wait_until_ready();
     ASSERT_FALSE(at_fresh.empty()) << fresh.log();
@@ -166,7 +167,7 @@ TEST(Fleet,
     line.stall(true);
     const Said said = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;
-    EXPECT_TRUE(comes_true([&] { return !get(at_b, "/readyz").fine; }));
+    EXPECT_TRUE(tests::eventually([&] { return !get(at_b, "/readyz").fine; }));
     EXPECT_NE(get(at_b, "/readyz").body.find("the journal has not been heard of for"),
               std::string::npos);
     EXPECT_TRUE(get(at_b, "/healthz").fine) << "it is alive, and not to be restarted";
@@ -175,7 +176,7 @@ TEST(Fleet,
     EXPECT_EQ(ctl(at_a, {"status", at_b}).code, 7) << "stale is not well";
     const auto client = connect(at_b);
     ASSERT_TRUE(client) << "it serves on";
-    EXPECT_TRUE(comes_true([&] { return all_stale(*client, true); }))
+    EXPECT_TRUE(tests::eventually([&] { return all_stale(*client, true); }))
         << "and says that it is unsure";
     EXPECT_GT(client->status().stale_s, 0);
     const auto of_a = connect(at_a);
@@ -188,13 +189,14 @@ TEST(Fleet,
     EXPECT_TRUE(get(at_a, "/readyz").fine) << get(at_a, "/readyz").body;
     line.stall(false);
     line.cut();
-    EXPECT_TRUE(comes_true([&] { return get(at_b, "/readyz").fine; })) << b.log();
-    EXPECT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; }));
+    EXPECT_TRUE(tests::eventually([&] { return get(at_b, "/readyz").fine; })) << b.log();
+    EXPECT_TRUE(tests::eventually([&] { return journal_of(at_b)["played"] == 2; }));
     const auto later = connect(at_b);
     ASSERT_TRUE(later);
-    EXPECT_TRUE(comes_true([&] { return all_stale(*later, false); })) << "it knows again";
+    EXPECT_TRUE(tests::eventually([&] { return all_stale(*later, false); })) << "it knows again";
     // It looks for what to say of itself a few times a second; an answer says at once how it stands.
-    EXPECT_TRUE(comes_true([&] { return times_in(b.log(), "event=sea_current change=") > 0; }));
+    EXPECT_TRUE(
+        tests::eventually([&] { return times_in(b.log(), "event=sea_current change=") > 0; }));
     EXPECT_EQ(times_in(b.log(), "event=sea_current change="), 1) << b.log();
     EXPECT_EQ(times_in(b.log(), "event=sea_stale why=\"the journal has not been heard of for"), 1);
     EXPECT_EQ(times_in(a.log(), "event=sea_stale"), 0) << a.log();
@@ -257,19 +259,19 @@ TEST(
     {
         const LyingPeer right(nats.port(), "clocks", "right1", 0, epoch_us);
         const LyingPeer also(nats.port(), "clocks", "right2", 0, epoch_us);
-        ASSERT_TRUE(comes_true([&] { return journal_of(url)["peers"] == 2; }));
-        EXPECT_TRUE(comes_true([&] { return journal_of(url)["clock_error_ms"] < 50; }));
+        ASSERT_TRUE(tests::eventually([&] { return journal_of(url)["peers"] == 2; }));
+        EXPECT_TRUE(tests::eventually([&] { return journal_of(url)["clock_error_ms"] < 50; }));
         EXPECT_NEAR(journal_of(url)["clock_ahead_ms"].get<double>(), 0,
                     journal_of(url)["clock_error_ms"].get<double>() + 1);
         EXPECT_TRUE(get(url, "/readyz").fine) << get(url, "/readyz").body;
     }
     const LyingPeer a(nats.port(), "clocks", "ahead1", 0.5, epoch_us);
     const LyingPeer b(nats.port(), "clocks", "ahead2", 0.5, epoch_us);
-    EXPECT_TRUE(comes_true([&] {
+    EXPECT_TRUE(tests::eventually([&] {
         const std::string body = get(url, "/readyz").body;
         return body.find("ms behind those of 2 others: heights would be") != std::string::npos;
     })) << get(url, "/readyz").body;
-    EXPECT_TRUE(comes_true([&] {
+    EXPECT_TRUE(tests::eventually([&] {
         return server.log().find("event=handing_over sessions=1") != std::string::npos;
     })) << server.log();
     for (const std::vector<std::string>& words :
@@ -298,7 +300,7 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     const Said set = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=11.5", "--over", "10s"});
     ASSERT_EQ(set.code, 0) << set.words;
     EXPECT_EQ(number(set.words, "change"), 2) << set.words;
-    ASSERT_TRUE(comes_true([&] { return journal_of(at_b)["played"] == 2; }));
+    ASSERT_TRUE(tests::eventually([&] { return journal_of(at_b)["played"] == 2; }));
     const Said status = ctl(at_a, {"status", at_b, "ws://127.0.0.1:1"});
     EXPECT_EQ(status.code, 7) << "one does not answer: " << status.words;
     EXPECT_EQ(ctl(at_a, {"status", at_b}).code, 0);
@@ -334,7 +336,7 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     const Said back = ctl(at_b, {"rewind", "1", "--over", "10s"});
     ASSERT_EQ(back.code, 0) << back.words;
     EXPECT_EQ(number(back.words, "change"), 3) << back.words;
-    ASSERT_TRUE(comes_true([&] { return journal_of(at_a)["played"] == 3; }));
+    ASSERT_TRUE(tests::eventually([&] { return journal_of(at_a)["played"] == 3; }));
     const auto again =
         nlohmann::json::parse(ctl(at_a, {"history", "--from", "3"}).words)["changes"];
     ASSERT_EQ(again.size(), 1u);

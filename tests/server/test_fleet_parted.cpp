@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/server/fleet_bench.h"
+#include "tests/support/eventually.h"
 #include "tests/support/nats_cluster.h"
 
 namespace seaway::changes {
@@ -29,22 +30,22 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
     std::array<std::string, NatsCluster::size> at;
     // A cluster that has not found together yet keeps no log: who starts then ends with exit code 5, and is started again.
     for (std::size_t i = 0; i < servers.size(); ++i)
-        ASSERT_TRUE(comes_true([&] {
+        ASSERT_TRUE(tests::eventually([&] {
             servers[i] = server_at(cluster.node(i).url("parted"));
             at[i] = servers[i]->wait_until_ready();
             return !at[i].empty();
         })) << servers[i]->log();
     const auto ready = [&](std::size_t i) { return get(at[i], "/readyz").fine; };
     std::size_t leader = NatsCluster::size;
-    ASSERT_TRUE(comes_true([&] {
+    ASSERT_TRUE(tests::eventually([&] {
         leader = cluster.leader("parted", 0);
         return leader < NatsCluster::size && cluster.whole("parted");
     }));
-    ASSERT_TRUE(comes_true([&] { return ready(0) && ready(1) && ready(2); }));
+    ASSERT_TRUE(tests::eventually([&] { return ready(0) && ready(1) && ready(2); }));
     const std::size_t other = (leader + 1) % NatsCluster::size;
 
     cluster.part(leader);
-    ASSERT_TRUE(comes_true([&] { return !ready(leader); }));
+    ASSERT_TRUE(tests::eventually([&] { return !ready(leader); }));
     EXPECT_NE(get(at[leader], "/readyz").body.find("the journal has not been heard of for"),
               std::string::npos)
         << get(at[leader], "/readyz").body;
@@ -56,9 +57,9 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
     EXPECT_NE(refused.words.find("the sea cannot be changed now"), std::string::npos)
         << refused.words;
     // The two others choose one who leads, and go on.
-    ASSERT_TRUE(comes_true([&] { return ready(other); })) << get(at[other], "/readyz").body;
+    ASSERT_TRUE(tests::eventually([&] { return ready(other); })) << get(at[other], "/readyz").body;
     Said made{};
-    ASSERT_TRUE(comes_true([&] {
+    ASSERT_TRUE(tests::eventually([&] {
         made = ctl(at[other], breeze);
         return made.code == 0;
     })) << made.words;
@@ -69,8 +70,10 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
 
     cluster.join(leader);
     for (std::size_t i = 0; i < at.size(); ++i) {
-        EXPECT_TRUE(comes_true([&] { return ready(i) && journal_of(at[i])["played"] == last; }))
-            << i << get(at[i], "/readyz").body;
+        EXPECT_TRUE(tests::eventually([&] {
+            return ready(i) && journal_of(at[i])["played"] == last;
+        })) << i
+            << get(at[i], "/readyz").body;
         EXPECT_EQ(journal_of(at[i])["changes"], last) << "and no other change is in the log";
     }
     EXPECT_EQ(ctl(at[leader], {"diff", at[other], "--points", "200"}).code, 0);

@@ -9,6 +9,7 @@
 
 #include "server/journal/nats_place.h"
 #include "tests/server/fleet_bench.h"
+#include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 
 namespace seaway::changes {
@@ -48,7 +49,7 @@ TEST(Fleet, a_hang_up_names_the_files_of_the_journal_and_says_when_they_hold) {
     ASSERT_FALSE(server.wait_until_ready().empty()) << server.log();
     const auto says = [&](const std::string& outcome) {
         server.send(SIGHUP);
-        return comes_true([&] {
+        return tests::eventually([&] {
             return server.log().find("option=\"--journal-credentials\" file=\"" + file +
                                      "\" outcome=" + outcome) != std::string::npos;
         });
@@ -93,7 +94,7 @@ TEST(Fleet, a_server_of_which_all_hosts_of_nats_hang_ends_in_time_when_it_is_ask
     std::thread asks([&] {
         said = ctl(at, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
     });
-    EXPECT_TRUE(comes_true([&] { return !get(at, "/readyz").fine; }));
+    EXPECT_TRUE(tests::eventually([&] { return !get(at, "/readyz").fine; }));
     server.send(SIGTERM);
     EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 0) << server.log();
     asks.join();

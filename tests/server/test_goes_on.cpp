@@ -13,6 +13,7 @@
 
 #include "client/client.h"
 #include "client/link/failure.h"
+#include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
@@ -154,16 +155,16 @@ class GoesOn : public ::testing::Test {
         line->cut();
     }
     template <class Condition>
-    bool comes_true(const Condition& condition) {
+    bool tests::eventually(const Condition& condition) {
         for (int i = 0; i < 12'000 && !condition(); ++i)
             std::this_thread::sleep_for(milliseconds(5));
         return condition();
     }
     bool is_in(LinkState state) {
-        return comes_true([&] { return client->status().state == state; });
+        return tests::eventually([&] { return client->status().state == state; });
     }
     bool samples_now() {
-        return comes_true([&] {
+        return tests::eventually([&] {
             const sea::QueryPoint point{x_m, y_m, client->now_us()};
             const auto answer = client->sample({&point, 1});
             return answer && answer->front().flags == 0;
@@ -185,7 +186,7 @@ TEST_F(GoesOn, after_a_server_was_killed_and_came_again_at_another_port) {
     EXPECT_GT(lost.stale_s, 0);
     EXPECT_TRUE(lost.holds_tiles);
     // Beyond the last keyframe there is nothing to go by, and that is said.
-    EXPECT_TRUE(comes_true([&] {
+    EXPECT_TRUE(tests::eventually([&] {
         const sea::QueryPoint point{x_m, y_m, client->now_us()};
         const auto answer = client->sample({&point, 1});
         return !answer && client::failure_of(answer.error()) == Failure::not_held;
@@ -273,7 +274,7 @@ TEST_F(GoesOn, never_mixes_two_seas_behind_one_name) {
         Sampler sampler(*client);
         kill_server();
         serve(arguments(0, "", next));
-        EXPECT_TRUE(comes_true([&] { return client->status().seas == 2; }));
+        EXPECT_TRUE(tests::eventually([&] { return client->status().seas == 2; }));
         EXPECT_TRUE(samples_now());
         std::this_thread::sleep_for(milliseconds(500));
         const std::vector<Sampler::Look> looks = sampler.stop();

@@ -14,9 +14,9 @@
 #include "server/host/refusal.h"
 #include "server/map_source.h"
 #include "server/world.h"
-#include "tests/server/comes.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/server/stopped_clock.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -109,7 +109,7 @@ TEST(World, a_map_without_a_time_is_of_now) {
         map = *std::move(made);
         there = true;
     });
-    ASSERT_TRUE(comes(there));
+    ASSERT_TRUE(tests::eventually([&] { return there.load(); }));
     EXPECT_EQ(map->size(), 64u + 8 * 5 * 4);
     const std::vector<std::uint8_t> header = map->next();
     ASSERT_EQ(header.size(), 64u);
@@ -139,7 +139,7 @@ TEST(World, a_map_of_each_kind_is_as_long_as_it_says) {
             map = *std::move(made);
             there = true;
         });
-        ASSERT_TRUE(comes(there));
+        ASSERT_TRUE(tests::eventually([&] { return there.load(); }));
         EXPECT_EQ(map->size(), 64 + 8 * 5 * 4 * numbers) << kind;
         std::uint64_t bytes = 0;
         const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);

@@ -21,16 +21,10 @@
 #include "sea/scene/weather.h"
 #include "server/sea_director.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
-
-template <class Condition>
-bool comes_true(const Condition& condition) {
-    for (int i = 0; i < 12'000 && !condition(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    return condition();
-}
 
 std::vector<SeaChange> some(const std::vector<SeaChange>& changes, std::size_t epoch,
                             std::size_t most) {
@@ -146,9 +140,9 @@ TEST_F(Director, a_change_of_others_for_which_there_is_no_memory_is_played_once_
     const TimeUs start_us = clock.now_us() + 60'000'000;
     journal.reads_fail = 3;
     journal.by_another({2, start_us, start_us + 20'000'000, windy()});
-    EXPECT_TRUE(comes_true([&] { return course->epochs() == 3u; }));
+    EXPECT_TRUE(tests::eventually([&] { return course->epochs() == 3u; }));
     EXPECT_EQ(journal.reads_fail, 0);
-    EXPECT_TRUE(comes_true([&] { return following().played == 2u; }));
+    EXPECT_TRUE(tests::eventually([&] { return following().played == 2u; }));
     EXPECT_EQ(course->window(2).start_us, start_us);
     EXPECT_EQ(following().doubt(), "");
 }
@@ -159,8 +153,9 @@ TEST_F(Director, one_of_its_own_that_was_written_before_there_was_no_memory_is_p
     ASSERT_FALSE(made);
     EXPECT_NE(made.error().message.find("change 2 may be in the journal"), std::string::npos)
         << made.error().message;
-    ASSERT_TRUE(comes_true([&] { return course->epochs() == 3u; })) << "it stands in the journal";
-    EXPECT_TRUE(comes_true([&] { return following().played == 2u; }));
+    ASSERT_TRUE(tests::eventually([&] { return course->epochs() == 3u; }))
+        << "it stands in the journal";
+    EXPECT_TRUE(tests::eventually([&] { return following().played == 2u; }));
     EXPECT_EQ(course->window(2).start_us, journal.since(1)->front().start_us);
     const Result<SeaPromise> next = asked(wish());
     ASSERT_TRUE(next) << next.error().message;
@@ -179,10 +174,10 @@ TEST_F(Director, a_pace_that_held_already_when_it_came_hands_the_sessions_over) 
         return sea::Pace{from_us, from_us, permille};
     };
     journal.by_another({.epoch = 2, .scene = {}, .pace = pace_from(60'000'000, 500)});
-    ASSERT_TRUE(comes_true([&] { return following().played == 2u; }));
+    ASSERT_TRUE(tests::eventually([&] { return following().played == 2u; }));
     EXPECT_EQ(handed_over, 0) << "this one is still to come";
     journal.by_another({.epoch = 3, .scene = {}, .pace = pace_from(-1'000'000, 2000)});
-    EXPECT_TRUE(comes_true([&] { return handed_over == 1; }));
+    EXPECT_TRUE(tests::eventually([&] { return handed_over == 1; }));
 }
 
 // Naive: a log that was away for three seconds sends the sessions of all its servers from one to another when it is back.
@@ -193,12 +188,12 @@ TEST_F(Director,
     JournalStanding away{.unheard_us = 3'000'000, .current = false, .settles = true};
     away.peers.peers = 2;
     journal.stand(away);
-    ASSERT_TRUE(comes_true([&] { return !following().doubt().empty(); }));
+    ASSERT_TRUE(tests::eventually([&] { return !following().doubt().empty(); }));
     std::this_thread::sleep_for(std::chrono::seconds(1)); // several looks of the director's
     EXPECT_EQ(handed_over, 0);
     away.settles = false;
     journal.stand(away);
-    EXPECT_TRUE(comes_true([&] { return handed_over == 1; }));
+    EXPECT_TRUE(tests::eventually([&] { return handed_over == 1; }));
     std::this_thread::sleep_for(std::chrono::seconds(1));
     EXPECT_EQ(handed_over, 1);
 }
@@ -221,13 +216,13 @@ TEST_F(Director, seas_are_told_of_however_many_wishes_are_refused_meanwhile) {
     };
     for (int i = 0; i < 4; ++i)
         again();
-    EXPECT_TRUE(comes_true([&] { return refused > 8; }));
+    EXPECT_TRUE(tests::eventually([&] { return refused > 8; }));
     const int before = told;
     const TimeUs start_us = clock.now_us() + 5'000'000;
     journal.by_another({2, start_us, start_us + 20'000'000, windy()});
-    EXPECT_TRUE(comes_true([&] { return told > before; }));
+    EXPECT_TRUE(tests::eventually([&] { return told > before; }));
     goes_on = false;
-    EXPECT_TRUE(comes_true([&] { return asking == 0; }));
+    EXPECT_TRUE(tests::eventually([&] { return asking == 0; }));
 }
 
 // Naive: so long as the sea takes, which at half its pace is half of what it will be.
@@ -257,7 +252,7 @@ TEST_F(Director, when_to_ask_again_is_told_by_the_clock_of_who_asks) {
 // Naive: anybody who asks whether a server is ready reads where its NATS is, or where a scene lies.
 TEST_F(Director, says_that_it_is_stuck_and_no_place_of_anything) {
     journal.by_another({2, clock.now_us() + 5'000'000, clock.now_us() + 25'000'000, "[sea]\nx"});
-    ASSERT_TRUE(comes_true([&] { return !following().stuck.empty(); }));
+    ASSERT_TRUE(tests::eventually([&] { return !following().stuck.empty(); }));
     EXPECT_EQ(following().doubt(), "change 2 of another server cannot be played");
 }
 

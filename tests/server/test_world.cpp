@@ -17,9 +17,9 @@
 #include "server/host/refusal.h"
 #include "server/map_source.h"
 #include "server/world.h"
-#include "tests/server/comes.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/server/stopped_clock.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -289,7 +289,8 @@ TEST(World, a_fetch_brings_what_was_granted_in_its_rung_and_the_sea_is_named_in_
         epoch = answers->epoch;
         answered = true;
     });
-    ASSERT_TRUE(comes(fetched) && comes(answered));
+    ASSERT_TRUE(tests::eventually([&] { return fetched.load(); }) &&
+                tests::eventually([&] { return answered.load(); }));
     EXPECT_EQ(epoch, bench.sea->epoch);
     ASSERT_EQ(tiles.size(), 2u) << "of the second cascade alone, before and after";
     const TimeUs interval_us = bench.sea->budget.cascades[1].interval_us;

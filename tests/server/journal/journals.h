@@ -62,14 +62,6 @@ inline std::string error_at(const JournalPlace& place) {
     return journal ? "it was opened" : journal.error().message;
 }
 
-/// Waits for as long as a crowded machine may need; the wait ends when it has come true.
-template <class Condition>
-bool comes_true(const Condition& condition) {
-    for (int i = 0; i < 6000 && !condition(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return condition();
-}
-
 inline NatsLog log_of(const std::string& url) {
     return NatsLog(NatsConnection::make(read_nats_url(url).value()).value());
 }

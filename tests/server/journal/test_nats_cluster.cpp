@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "tests/server/journal/journals.h"
+#include "tests/support/eventually.h"
 #include "tests/support/nats_cluster.h"
 
 namespace seaway::server {
@@ -20,7 +21,7 @@ JournalPlace place_in(const NatsCluster& cluster) {
 /// Once there is a cluster to open it in.
 std::unique_ptr<Journal> open_in(const NatsCluster& cluster) {
     std::unique_ptr<Journal> journal;
-    EXPECT_TRUE(comes_true([&] {
+    EXPECT_TRUE(tests::eventually([&] {
         Result<std::unique_ptr<Journal>> made = open_journal(place_in(cluster), beginning);
         if (made)
             journal = *std::move(made);
@@ -31,7 +32,7 @@ std::unique_ptr<Journal> open_in(const NatsCluster& cluster) {
 
 /// Said again until the cluster has chosen who leads: taken now, or there since an attempt whose answer was lost.
 bool taken_in_the_end(Journal& journal, std::uint32_t epoch) {
-    return comes_true(
+    return tests::eventually(
         [&] { return journal.append(change(epoch)) || journal.standing().last_epoch >= epoch; });
 }
 
@@ -45,7 +46,7 @@ TEST(NatsCluster, of_three_nodes_each_may_die_and_the_log_goes_on_with_all_that_
     const auto taken = [&] {
         ++last;
         acknowledged.push_back(false);
-        return comes_true([&] {
+        return tests::eventually([&] {
             const Result<void> said = writes->append(change(last));
             acknowledged.back() = said.has_value();
             if (!said)
@@ -58,11 +59,11 @@ TEST(NatsCluster, of_three_nodes_each_may_die_and_the_log_goes_on_with_all_that_
         cluster.node(dying).stop(SIGKILL);
         for (int i = 0; i < 5; ++i)
             ASSERT_TRUE(taken()) << "two of three are enough: " << why;
-        ASSERT_TRUE(comes_true([&] { return follows->standing().last_epoch == last; }));
-        EXPECT_TRUE(comes_true([&] { return follows->standing().current; }));
+        ASSERT_TRUE(tests::eventually([&] { return follows->standing().last_epoch == last; }));
+        EXPECT_TRUE(tests::eventually([&] { return follows->standing().current; }));
         ASSERT_TRUE(cluster.node(dying).start());
         // Of two that have the log to its end one has to be left.
-        ASSERT_TRUE(comes_true([&] { return cluster.whole("three"); }));
+        ASSERT_TRUE(tests::eventually([&] { return cluster.whole("three"); }));
     }
     const std::unique_ptr<Journal> later = open_in(cluster);
     ASSERT_TRUE(later);
@@ -88,7 +89,7 @@ TEST(NatsCluster, with_one_node_of_three_left_nothing_is_acknowledged_and_what_i
     const auto refused = journal->append(change(3));
     ASSERT_FALSE(refused);
     EXPECT_EQ(journal->standing().last_epoch, 2u);
-    EXPECT_TRUE(comes_true([&] { return !journal->standing().current; }));
+    EXPECT_TRUE(tests::eventually([&] { return !journal->standing().current; }));
     ASSERT_TRUE(cluster.node(0).start());
     EXPECT_TRUE(taken_in_the_end(*journal, 3)) << "two are enough again";
 }
@@ -96,7 +97,7 @@ TEST(NatsCluster, with_one_node_of_three_left_nothing_is_acknowledged_and_what_i
 /// What the cluster says of a write, repeated while it says nothing.
 Result<std::uint64_t> said_of(SharedLog& log, const std::string& id, std::uint64_t before) {
     Result<std::uint64_t> number = log.write(id, id, before);
-    (void)comes_true([&] {
+    (void)tests::eventually([&] {
         const bool silent = !number && (number.error().is(LogFailure::unanswered) ||
                                         number.error().is(LogFailure::unreachable));
         if (silent)

@@ -10,6 +10,7 @@
 #include "server/journal/change_text.h"
 #include "server/journal/sea_clock.h"
 #include "tests/server/journal/journals.h"
+#include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 
 namespace seaway::server {
@@ -48,7 +49,8 @@ TEST(NatsJournal, names_what_is_no_change_and_takes_nothing_behind_it) {
         ASSERT_TRUE(log.write(c.message, "a", 1)) << c.what;
         ASSERT_TRUE(log.write(message_of({.change = change(3), .sum = 1}), "b", 2));
         // Who follows names it, and holds what was before; who starts does not start.
-        EXPECT_TRUE(comes_true([&] { return !journal->standing().trouble.empty(); })) << c.what;
+        EXPECT_TRUE(tests::eventually([&] { return !journal->standing().trouble.empty(); }))
+            << c.what;
         const auto says = [&](const std::string& text) {
             return text.find("message 2 ") != std::string::npos &&
                    text.find(c.says) != std::string::npos &&
@@ -72,7 +74,7 @@ TEST(NatsJournal, whole_it_is_read_where_the_message_of_the_test_before_is_not_d
     const std::string url = nats().url(fresh_world());
     const auto journal = open_at(url);
     ASSERT_TRUE(log_of(url).write(message_of(second), "a", 1));
-    EXPECT_TRUE(comes_true([&] { return journal->standing().last_epoch == 2; }));
+    EXPECT_TRUE(tests::eventually([&] { return journal->standing().last_epoch == 2; }));
     EXPECT_EQ(journal->since(1).value(), std::vector<SeaChange>{change(2)});
 }
 
@@ -84,7 +86,7 @@ TEST(NatsJournal, a_change_that_comes_to_the_log_too_late_changes_nothing_and_ke
     second.sum = sum_of(sum_of(first_sum(beginning.epoch_utc_us), {1, 0, 0, beginning.scene}),
                         second.change);
     ASSERT_TRUE(log_of(url).write(message_of(second), "a", 1));
-    ASSERT_TRUE(comes_true([&] { return journal->standing().last_epoch == 2; }));
+    ASSERT_TRUE(tests::eventually([&] { return journal->standing().last_epoch == 2; }));
     EXPECT_TRUE(journal->since(1)->front().lapsed);
     EXPECT_TRUE(journal->append(change(3)));
     const auto again = open_at(url);
@@ -103,13 +105,13 @@ TEST(NatsJournal, a_log_that_has_lost_its_end_is_named_and_not_written_to) {
     server.stop();
     fs::remove_all(server.store());
     ASSERT_TRUE(server.start());
-    ASSERT_TRUE(comes_true([&] {
+    ASSERT_TRUE(tests::eventually([&] {
         return journal->standing().trouble.find("not there any more") != std::string::npos;
     })) << journal->standing().trouble;
     // Another server begins the world anew: that is another sea's log.
     const auto other = open_at(server.url("lost"));
     ASSERT_TRUE(other);
-    ASSERT_TRUE(comes_true([&] {
+    ASSERT_TRUE(tests::eventually([&] {
         return journal->standing().trouble.find("made anew") != std::string::npos;
     })) << journal->standing().trouble;
     for (std::uint32_t epoch = 2; epoch <= 4; ++epoch)
@@ -241,7 +243,7 @@ TEST_F(SilentHosts, who_connects_no_more_is_through_with_the_one_that_it_waits_f
         ASSERT_FALSE(made);
         EXPECT_TRUE(made.error().is(LogFailure::unreachable)) << made.error().message;
     });
-    EXPECT_TRUE(comes_true([&] { return come() > 0; }));
+    EXPECT_TRUE(tests::eventually([&] { return come() > 0; }));
     connection.connect_no_more();
     asks.join();
     const std::size_t tried = come();
@@ -281,7 +283,7 @@ TEST_F(SilentHosts, a_journal_whose_hosts_all_hang_ends_without_trying_each) {
         lines[i]->lead_to(hosts[i]->port());
         lines[i]->cut();
     }
-    ASSERT_TRUE(comes_true([&] { return come() > 0; }));
+    ASSERT_TRUE(tests::eventually([&] { return come() > 0; }));
     std::thread asks([&] { EXPECT_FALSE(journal->append(change(2))); });
     journal->connect_no_more();
     asks.join();

@@ -9,6 +9,7 @@
 #include "server/journal/sea_clock.h"
 #include "server/journal/shared_journal.h"
 #include "tests/server/journal/journals.h"
+#include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 
 namespace seaway::server {
@@ -28,13 +29,13 @@ TEST(NatsJournal, a_change_that_one_server_makes_reaches_all_others_in_order) {
     for (std::uint32_t epoch = 2; epoch <= 20; ++epoch)
         ASSERT_TRUE(a->append(change(epoch)));
     for (Journal* follower : {b.get(), c.get()}) {
-        EXPECT_TRUE(comes_true([&] { return follower->standing().last_epoch == 20; }));
+        EXPECT_TRUE(tests::eventually([&] { return follower->standing().last_epoch == 20; }));
         EXPECT_EQ(follower->since(0).value(), a->since(0).value());
     }
     EXPECT_GT(calls, 0);
     b->call_on_change({});
     ASSERT_TRUE(b->append(change(21)));
-    EXPECT_TRUE(comes_true([&] { return a->standing().last_epoch == 21; }));
+    EXPECT_TRUE(tests::eventually([&] { return a->standing().last_epoch == 21; }));
 }
 
 TEST(NatsJournal, of_servers_that_begin_one_log_at_once_all_have_the_sea_of_one) {
@@ -123,8 +124,8 @@ TEST(NatsJournal, a_change_is_there_once_wherever_the_line_is_cut) {
                 (void)direct->append(change(last + 1));
         }
         ++last;
-        ASSERT_TRUE(comes_true([&] { return direct->standing().last_epoch == last; }));
-        ASSERT_TRUE(comes_true([&] { return journal->standing().last_epoch == last; }));
+        ASSERT_TRUE(tests::eventually([&] { return direct->standing().last_epoch == last; }));
+        ASSERT_TRUE(tests::eventually([&] { return journal->standing().last_epoch == last; }));
     }
     EXPECT_GT(acknowledged, 0);
     EXPECT_LT(acknowledged, 40) << "no cut was felt";
@@ -150,7 +151,7 @@ TEST(NatsJournal, what_was_acknowledged_outlives_a_kill_of_nats) {
             << refused.error().message;
         EXPECT_EQ(journal->since(0)->size(), last) << "it holds what it held";
         ASSERT_TRUE(server.start());
-        ASSERT_TRUE(comes_true([&] { return journal->standing().trouble.empty(); }));
+        ASSERT_TRUE(tests::eventually([&] { return journal->standing().trouble.empty(); }));
     }
     EXPECT_EQ(open_at(server.url("killed"))->since(0).value(), journal->since(0).value());
     EXPECT_EQ(journal->since(0)->size(), 51u);
@@ -167,7 +168,7 @@ TEST(NatsJournal, behind_a_cut_network_it_holds_what_it_held_says_so_and_follows
     EXPECT_TRUE(cut_off->standing().current);
     line.stall(true);
     ASSERT_TRUE(other->append(change(3)) || other->append(change(3)));
-    ASSERT_TRUE(comes_true([&] { return !cut_off->standing().current; }));
+    ASSERT_TRUE(tests::eventually([&] { return !cut_off->standing().current; }));
     EXPECT_GT(cut_off->standing().unheard_us, SharedJournal::current_us);
     EXPECT_NE(cut_off->standing().trouble, "");
     EXPECT_EQ(cut_off->standing().last_epoch, 2u);
@@ -176,7 +177,7 @@ TEST(NatsJournal, behind_a_cut_network_it_holds_what_it_held_says_so_and_follows
     EXPECT_TRUE(refused.error().is(JournalError::unreachable)) << refused.error().message;
     line.stall(false);
     line.cut();
-    EXPECT_TRUE(comes_true([&] { return cut_off->standing().current; }));
+    EXPECT_TRUE(tests::eventually([&] { return cut_off->standing().current; }));
     EXPECT_EQ(cut_off->since(2).value(), std::vector<SeaChange>{change(3)});
     EXPECT_EQ(cut_off->standing().trouble, "");
     EXPECT_TRUE(cut_off->append(change(4)));
@@ -292,16 +293,16 @@ TEST(NatsJournal, a_connection_that_is_made_anew_reads_its_files_again) {
     ASSERT_TRUE(journal);
     server.stop();
     ASSERT_TRUE(server.start("authorization { user: sea, password: \"new\" }"));
-    ASSERT_TRUE(comes_true([&] {
+    ASSERT_TRUE(tests::eventually([&] {
         return (*journal)->standing().trouble.find("with these credentials") != std::string::npos;
     })) << (*journal)->standing().trouble;
     tests::folder().write("rotated", "sea:new\nand more\n");
-    ASSERT_TRUE(comes_true([&] {
+    ASSERT_TRUE(tests::eventually([&] {
         return (*journal)->standing().trouble.find("a file that lets this server in is broken") !=
                std::string::npos;
     })) << (*journal)->standing().trouble;
     tests::folder().write("rotated", "sea:new\n");
-    EXPECT_TRUE(comes_true([&] { return (*journal)->standing().trouble.empty(); }))
+    EXPECT_TRUE(tests::eventually([&] { return (*journal)->standing().trouble.empty(); }))
         << (*journal)->standing().trouble;
     EXPECT_TRUE((*journal)->append(change(2)));
 }

@@ -8,6 +8,7 @@
 #include "server/journal/sea_clock.h"
 #include "server/journal/shared_journal.h"
 #include "tests/server/journal/journals.h"
+#include "tests/support/eventually.h"
 #include "tests/support/nats_cluster.h"
 
 namespace seaway::server {
@@ -22,7 +23,7 @@ class Parted : public testing::Test {
     void SetUp() override {
         for (std::size_t i = 0; i < NatsCluster::size; ++i) {
             const JournalPlace place{.where = cluster.node(i).url(world), .replicas = 3};
-            ASSERT_TRUE(comes_true([&] {
+            ASSERT_TRUE(tests::eventually([&] {
                 Result<std::unique_ptr<Journal>> made = open_journal(place, beginning);
                 if (made)
                     journals[i] = *std::move(made);
@@ -30,15 +31,15 @@ class Parted : public testing::Test {
             })) << error_at(place);
         }
         ASSERT_TRUE(taken_in_the_end(0, change(2)));
-        ASSERT_TRUE(comes_true([&] { return all_hold(2); }));
-        ASSERT_TRUE(comes_true([&] {
+        ASSERT_TRUE(tests::eventually([&] { return all_hold(2); }));
+        ASSERT_TRUE(tests::eventually([&] {
             leader = cluster.leader(world, 0);
             return leader < NatsCluster::size;
         }));
     }
 
     bool taken_in_the_end(std::size_t at, const SeaChange& change) {
-        return comes_true([&] {
+        return tests::eventually([&] {
             const Result<void> taken = journals[at]->append(change);
             if (!taken)
                 why = taken.error().message;
@@ -104,13 +105,13 @@ TEST_F(Parted,
         ASSERT_FALSE(taken);
         EXPECT_TRUE(taken.error().is(JournalError::unreachable)) << taken.error().message;
     }
-    ASSERT_TRUE(comes_true([&] { return journals[other]->standing().current; }))
+    ASSERT_TRUE(tests::eventually([&] { return journals[other]->standing().current; }))
         << "the two others choose one who leads";
     ASSERT_TRUE(taken_in_the_end(other, change(3))) << why;
     EXPECT_FALSE(cut_off.standing().current);
     EXPECT_EQ(cut_off.standing().last_epoch, 2u);
     // Its copy of the log has its share of what they read, and does not answer.
-    ASSERT_TRUE(comes_true([&] { return journals[other]->standing().last_epoch == 3; }));
+    ASSERT_TRUE(tests::eventually([&] { return journals[other]->standing().last_epoch == 3; }));
     NatsLog log = log_of(cluster.node(other).url(world));
     for (int i = 0; i < 30; ++i) {
         const Result<std::vector<SharedLog::Stored>> messages = log.read(1, 3);
@@ -119,7 +120,7 @@ TEST_F(Parted,
         EXPECT_NE(messages->at(2).message.find(change(3).scene), std::string::npos);
     }
     cluster.join(leader);
-    ASSERT_TRUE(comes_true([&] { return all_hold(3); }));
+    ASSERT_TRUE(tests::eventually([&] { return all_hold(3); }));
     for (const std::unique_ptr<Journal>& journal : journals)
         EXPECT_EQ(behind_the_first(*journal), (std::vector<SeaChange>{change(2), change(3)}));
 }
@@ -129,7 +130,7 @@ TEST_F(Parted, who_follows_a_follower_that_is_cut_off_is_stale_and_the_others_go
     Journal& cut_off = *journals[leader];
     const std::size_t other = (leader + 1) % NatsCluster::size;
     const std::int64_t since_us = cut_off_since_us();
-    ASSERT_TRUE(comes_true(
+    ASSERT_TRUE(tests::eventually(
         [&] { return SeaClock::steady_now_us() > since_us + SharedJournal::current_us; }));
     EXPECT_FALSE(cut_off.standing().current);
     const Result<void> taken = cut_off.append(change(3));
@@ -138,7 +139,7 @@ TEST_F(Parted, who_follows_a_follower_that_is_cut_off_is_stale_and_the_others_go
     ASSERT_TRUE(taken_in_the_end(other, change(3)));
     EXPECT_EQ(cut_off.standing().last_epoch, 2u);
     cluster.join(leader);
-    ASSERT_TRUE(comes_true([&] { return all_hold(3); }));
+    ASSERT_TRUE(tests::eventually([&] { return all_hold(3); }));
     EXPECT_EQ(behind_the_first(cut_off), (std::vector<SeaChange>{change(2), change(3)}));
 }
 

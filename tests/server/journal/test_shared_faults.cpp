@@ -11,6 +11,7 @@
 #include "tests/server/journal/journals.h"
 #include "tests/server/journal/lot_network.h"
 #include "tests/support/allocations.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -401,9 +402,9 @@ TEST(SharedJournalThread, goes_on_after_looks_for_which_there_was_no_memory) {
     ASSERT_TRUE(journal);
     (*journal)->follow();
     fails = 3;
-    ASSERT_TRUE(comes_true([&] { return fails == 0; }));
+    ASSERT_TRUE(tests::eventually([&] { return fails == 0; }));
     const std::int64_t then_us = SeaClock::steady_now_us();
-    EXPECT_TRUE(comes_true([&] {
+    EXPECT_TRUE(tests::eventually([&] {
         return (*journal)->standing().unheard_us < SeaClock::steady_now_us() - then_us;
     })) << "it has looked since";
 }

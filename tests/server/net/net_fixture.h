@@ -22,6 +22,7 @@
 #include "server/net/server.h"
 #include "tests/server/net/clients.h"
 #include "tests/server/simulation/small_sea.h"
+#include "tests/support/eventually.h"
 #include "tests/support/folder.h"
 
 namespace seaway::tests {
@@ -52,18 +53,6 @@ class LogCapture {
     std::ostringstream text_;
     std::shared_ptr<spdlog::logger> before_;
 };
-
-/// Waits for a condition of another thread; true if it came within a minute.
-template <class Condition>
-bool eventually(Condition condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > deadline)
-            return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    return true;
-}
 
 /// Heights of the first cascade.
 inline const protocol::TileWish heights{.cascades = 1u, .fields = {sea::Field::height}};
