@@ -154,12 +154,6 @@ class GoesOn : public ::testing::Test {
         ASSERT_TRUE(server->wait_for_exit(std::chrono::seconds(10)));
         line->cut();
     }
-    template <class Condition>
-    bool tests::eventually(const Condition& condition) {
-        for (int i = 0; i < 12'000 && !condition(); ++i)
-            std::this_thread::sleep_for(milliseconds(5));
-        return condition();
-    }
     bool is_in(LinkState state) {
         return tests::eventually([&] { return client->status().state == state; });
     }
