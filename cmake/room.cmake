@@ -15,7 +15,7 @@ endfunction()
 # So no two files of a room or program may give one name, outside functions, to different things.
 function(seaway_together target)
   if(SEAWAY_PRECOMPILE)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
   endif()
 endfunction()
 

@@ -9,7 +9,7 @@ namespace seaway::client {
 
 namespace {
 
-constexpr double near_m = 0.1;
+constexpr double near_plane_m = 0.1;
 
 double half_width(const Camera& camera) {
     return std::tan(glm::radians(camera.view_deg) / 2);
@@ -48,7 +48,7 @@ glm::dmat4 Camera::clip_from_local() const {
     clip_from_eye[0][0] = x_scale;
     clip_from_eye[1][1] = -x_scale * width / height;
     clip_from_eye[2][3] = -1;
-    clip_from_eye[3][2] = near_m;
+    clip_from_eye[3][2] = near_plane_m;
     return clip_from_eye * eye_from_local;
 }
 

@@ -23,7 +23,7 @@ struct Column {
     double low, high;
     bool needed = true;
 };
-constexpr std::array<Column, 6> columns{{
+constexpr std::array<Column, 6> path_columns{{
     {"x_m", &Camera::x_m, -camera_place_max_m, camera_place_max_m},
     {"y_m", &Camera::y_m, -camera_place_max_m, camera_place_max_m},
     {"z_m", &Camera::z_m, camera_height_min_m, camera_height_max_m},
@@ -45,7 +45,7 @@ Result<CameraPath> CameraPath::parse(std::string_view text, const std::string& n
     const std::optional<std::size_t> time = table.column("t_s");
     if (!time)
         return Error{name + ": no column t_s"};
-    for (const Column& column : columns)
+    for (const Column& column : path_columns)
         if (column.needed && !table.column(column.name))
             return Error{fmt::format("{}: no column {}", name, column.name)};
     std::vector<Key> keys;
@@ -54,7 +54,7 @@ Result<CameraPath> CameraPath::parse(std::string_view text, const std::string& n
         if (!keys.empty() && key.t_s <= keys.back().t_s)
             return table.error(row, fmt::format("t_s {:g} does not lie after the row before, {:g}",
                                                 key.t_s, keys.back().t_s));
-        for (const Column& column : columns) {
+        for (const Column& column : path_columns) {
             const std::optional<std::size_t> at = table.column(column.name);
             if (!at)
                 continue;
@@ -110,7 +110,7 @@ Camera CameraPath::at(double t_s) const {
     const double span_s = b.t_s - a.t_s;
     const double s = (t_s - a.t_s) / span_s, r = 1 - s;
     Camera camera = a.camera;
-    for (const Column& column : columns) {
+    for (const Column& column : path_columns) {
         const auto value = [&](const Key& key) { return key.camera.*column.value; };
         const auto slope = [&](const Key& from, const Key& to) {
             return (value(to) - value(from)) / (to.t_s - from.t_s);

@@ -23,7 +23,7 @@ const Scale amplitudes{&even_palette, 1e-6, 1, Spacing::logarithmic, ScaleOf::la
 const Scale angles{&cyclic_palette, -3.14159265, 3.14159265};
 const Scale to_largest{&even_palette, 0, 1, Spacing::linear, ScaleOf::largest};
 
-const std::array<DebugViewInfo, debug_views> rows{{
+const std::array<DebugViewInfo, debug_views> view_rows{{
     {DebugView::final, "final", light, "the picture; EXR: radiance, kcd/m2"},
     {DebugView::height, "height", sea, "height above the mean sea", {{{"height", "m", heights}}}},
     {DebugView::place,
@@ -228,11 +228,11 @@ const std::array<DebugViewInfo, debug_views> rows{{
 } // namespace
 
 std::span<const DebugViewInfo, debug_views> debug_view_table() {
-    return rows;
+    return view_rows;
 }
 
 const DebugViewInfo& info(DebugView view) {
-    return rows[static_cast<std::size_t>(view)];
+    return view_rows[static_cast<std::size_t>(view)];
 }
 
 int DebugViewInfo::channel_count() const {

@@ -84,13 +84,14 @@ std::string sky_names() {
 }
 
 /// Tables of a computed sky.
-constexpr std::array<std::string_view, 2> of_computed_sky{"time", "clouds"};
+constexpr std::array<std::string_view, 2> computed_sky_tables{"time", "clouds"};
 
 bool counts(const LookKey& row, const Look& look) {
     if (row.table == "sky")
         return !look.environment.empty();
-    return look.environment.empty() || std::find(of_computed_sky.begin(), of_computed_sky.end(),
-                                                 row.table) == of_computed_sky.end();
+    return look.environment.empty() ||
+           std::find(computed_sky_tables.begin(), computed_sky_tables.end(), row.table) ==
+               computed_sky_tables.end();
 }
 
 void read_environment_name(TomlTable& table, std::string_view key, const std::string& base_dir,
@@ -224,7 +225,7 @@ Result<Look> parse_look(std::string_view text, const std::string& name,
         table->finish();
     }
     if (!look.environment.empty())
-        for (const std::string_view heading : of_computed_sky)
+        for (const std::string_view heading : computed_sky_tables)
             root.refuse(heading, "not beside sky.environment: its picture is the sky");
     root.finish();
     if (errors.first())

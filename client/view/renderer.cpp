@@ -20,7 +20,6 @@ namespace seaway::client {
 namespace {
 
 constexpr int rows_a_strip = 16;
-constexpr std::size_t texel_bytes = 4 * sizeof(float);
 constexpr std::size_t vertex_bytes = 2 * texel_bytes; ///< of shaders/view/bindings.glsl
 
 using gpu::storage;

@@ -40,7 +40,7 @@ const glm::dvec3 north_sea_bubbles(0.10, 0.32, 0.30);
 constexpr double crest_white = 0.107, crest_path_m = 5.5;
 constexpr double bubbles_white = 0.53, bubbles_path_m = 4.2;
 /// Attenuation by colour is that of light that went so far: further, red is outside of sRGB.
-constexpr double near_m = 4;
+constexpr double colour_path_m = 4;
 
 /// Planck's law at 5778 K, in parts of what it is at 550 nm.
 double daylight(double nm) {
@@ -139,7 +139,7 @@ WaterLook water_look(const sea::Water& water, double depth_m, double wave_m) {
     look.crest = by_eye ? north_sea_crest : crest_white * left_after(near, crest_path_m);
     look.bubbles = by_eye ? north_sea_bubbles : bubbles_white * left_after(near, bubbles_path_m);
     const bool has_floor = std::isfinite(depth_m);
-    look.attenuation_per_m = attenuation_rgb_per_m(water.type, near_m);
+    look.attenuation_per_m = attenuation_rgb_per_m(water.type, colour_path_m);
     look.floor_attenuation_per_m =
         has_floor ? attenuation_rgb_per_m(water.type, 2 * depth_m) : look.attenuation_per_m;
     for (int c = 0; c < 3; ++c)

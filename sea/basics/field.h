@@ -191,6 +191,9 @@ inline constexpr FieldSet linear_fields = [] {
 }();
 inline constexpr int linear_field_count = linear_fields.size();
 
+/// What the Jacobian is made of, and what foam looks at.
+inline constexpr FieldSet strain_fields{Field::strain_xx, Field::strain_yy, Field::strain_xy};
+
 /// What a sampler needs for heights in time with choppy displacement (sea/surface).
 inline constexpr FieldSet surface_fields{
     Field::height,      Field::displacement_x,      Field::displacement_y,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -21,12 +22,14 @@ double normal_share(double z) {
     return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
-/// Phi(-t) / phi(t) for t >= 0: Mills' ratio.
-double mills_ratio(double t) {
+/// Phi(-t) / phi(t) for t >= 0, Mills' ratio, from phi(t).
+double mills_ratio(double t, double density) {
     if (t < 6)
-        return normal_share(-t) / normal_density(t);
+        return normal_share(-t) / density;
+    if (density == 0) // whatever it is
+        return 1 / t;
     double fraction = t;
-    for (int n = 40; n > 0; --n)
+    for (int n = t < 8 ? 20 : 12; n > 0; --n) // right to the last digit
         fraction = t + n / fraction;
     return 1 / fraction;
 }
@@ -40,13 +43,13 @@ double parabola_excess(double mean, double width, double curvature, double bias)
         return width > 0 || curvature > 0 || !(mean > 0) ? 0.0 : mean + bias;
     const double root = 2 * top / (width + std::sqrt(discriminant));
     const double t = std::abs(root);
-    const double mills = mills_ratio(t);
+    const double density = normal_density(t);
+    const double mills = mills_ratio(t, density);
     const double linear = 1 - t * mills;
     const double square = t * linear + mills;
-    const double density = normal_density(t);
     const double excess = root > 0 ? mean + density * (width * linear + curvature * square)
                                    : density * (width * linear - curvature * square);
-    return std::max(excess, 0.0) + bias * normal_share(root);
+    return std::max(excess, 0.0) + (bias != 0 ? bias * normal_share(root) : 0.0);
 }
 
 /// Lower Cholesky factor of the moments in the order a, c, b; a degenerate axis becomes zero.
@@ -68,19 +71,30 @@ struct Cholesky {
     }
 };
 
-/// Trapezoidal rule over a standard normal: exponentially accurate for smooth integrands. An axis
-/// that is not there is one point.
-template <class F>
-double gaussian_mean(bool present, double step, const F& f) {
-    if (!present)
-        return f(0.0);
-    constexpr double reach = 7.5;
-    const int n = static_cast<int>(reach / step);
-    double sum = 0;
-    for (int i = -n; i <= n; ++i)
-        sum += normal_density(i * step) * f(i * step);
-    return sum * step;
-}
+/// Trapezoidal rule over a standard normal: exponentially accurate for smooth integrands.
+class GaussianMean {
+  public:
+    explicit GaussianMean(double step) : step_(step), reach_(static_cast<int>(reach / step)) {
+        for (int i = -reach_; i <= reach_; ++i)
+            density_.push_back(normal_density(i * step));
+    }
+    /// Of f. An axis that is not there is one point.
+    template <class F>
+    double operator()(bool present, const F& f) const {
+        if (!present)
+            return f(0.0);
+        double sum = 0;
+        for (int i = -reach_; i <= reach_; ++i)
+            sum += density_[static_cast<std::size_t>(i + reach_)] * f(i * step_);
+        return sum * step_;
+    }
+
+  private:
+    static constexpr double reach = 7.5; ///< deviations
+    double step_;
+    int reach_;
+    std::vector<double> density_;
+};
 
 /// Average over all strains of g(mean, deviation) where, given two of a, b, c, threshold - J is
 /// normal: J is linear in a and in b. The wider of these two is the one left to g.
@@ -92,10 +106,11 @@ double mean_over_strains(double threshold, const StrainMoments& moments, const G
         std::swap(m.ac, m.bc);
     }
     const Cholesky l(m);
-    constexpr double step = 0.0625; // fine: where all waves run one oblique way, g has a kink
-    return gaussian_mean(l.aa > 0, step, [&](double p) {
+    // Fine: where all waves run one oblique way, g has a kink.
+    static const GaussianMean over(0.0625);
+    return over(l.aa > 0, [&](double p) {
         const double a = l.aa * p;
-        return gaussian_mean(l.cc > 0, step, [&](double q) {
+        return over(l.cc > 0, [&](double q) {
             const double c = l.ca * p + l.cc * q;
             const double u = threshold - (1 + a) * (1 + l.ba * p + l.bc * q) + c * c;
             return g(u, std::abs(1 + a) * l.bb);
@@ -103,13 +118,19 @@ double mean_over_strains(double threshold, const StrainMoments& moments, const G
     });
 }
 
+double mean_breaking(double threshold, double bias, const StrainMoments& moments) {
+    return mean_over_strains(threshold, moments, [bias](double u, double s) {
+        return parabola_excess(u, s, 0.0, bias);
+    });
+}
+
 double mean_conditional_breaking(double threshold, double bias, const StrainMoments& own,
                                  const OthersShape& others) {
     const Cholesky l(own);
-    constexpr double step = 0.375;
-    return gaussian_mean(l.aa > 0, step, [&](double p) {
-        return gaussian_mean(l.cc > 0, step, [&](double q) {
-            return gaussian_mean(l.bb > 0, step, [&](double r) {
+    static const GaussianMean over(0.375);
+    return over(l.aa > 0, [&](double p) {
+        return over(l.cc > 0, [&](double q) {
+            return over(l.bb > 0, [&](double r) {
                 return conditional_breaking(threshold, bias, others, l.aa * p,
                                             l.ba * p + l.bc * q + l.bb * r, l.ca * p + l.cc * q);
             });
@@ -156,8 +177,7 @@ StrainMoments strain_moments(const CascadeModes& modes, const Choppiness& choppi
 }
 
 double mean_shortfall(double threshold, const StrainMoments& moments) {
-    return mean_over_strains(threshold, moments,
-                             [](double u, double s) { return parabola_excess(u, s, 0.0, 0.0); });
+    return mean_breaking(threshold, 0.0, moments);
 }
 
 double breaking_share(double threshold, const StrainMoments& moments) {
@@ -198,11 +218,6 @@ double conditional_breaking(double threshold, double bias, const OthersShape& o,
 
 namespace {
 
-double mean_breaking(double threshold, double bias, const StrainMoments& moments) {
-    return mean_shortfall(threshold, moments) +
-           (bias > 0 ? bias * breaking_share(threshold, moments) : 0.0);
-}
-
 /// gain tau; without history what breaks now counts for a second.
 double coverage_per_breaking(const FoamModel& model) {
     return model.gain_per_s * (model.decay_s > 0 ? model.decay_s : 1.0);
@@ -223,19 +238,38 @@ StrainMoments sum_of(const std::vector<StrainMoments>& parts) {
 }
 
 /// The threshold at which breaking has this mean, -1 .. 1, which grows with the threshold; the nearer
-/// end where none does. Halves the range until the mean is right to 1e-5 of itself.
+/// end where none does. Right to 1e-5 of the mean, whose logarithm is nearly a parabola of the threshold: false
+/// position by Illinois' rule (Dowell and Jarratt 1971), and every fourth time the middle, where there is a jump.
 double threshold_of(double wanted_mean, double bias, const StrainMoments& moments) {
-    double low = -1.0, high = 1.0;
-    if (mean_breaking(high, bias, moments) <= wanted_mean)
-        return high;
-    for (int halvings = 0; halvings < 40; ++halvings) {
-        const double middle = 0.5 * (low + high);
-        const double mean = mean_breaking(middle, bias, moments);
-        if (std::abs(mean - wanted_mean) <= 1e-5 * wanted_mean)
-            return middle;
-        (mean < wanted_mean ? low : high) = middle;
+    struct End {
+        double threshold;
+        double off; ///< its mean over the one wanted, logarithm; where nothing breaks -infinity
+    };
+    const auto at = [&](double threshold) {
+        return End{threshold, std::log(mean_breaking(threshold, bias, moments) / wanted_mean)};
+    };
+    End low = at(-1.0), high = at(1.0);
+    if (!(high.off > 0))
+        return high.threshold;
+    if (!(low.off < 0))
+        return low.threshold;
+    double middle = 0;
+    bool was_low = false;
+    for (int looks = 0; looks < 60; ++looks) {
+        middle = 0.5 * (low.threshold + high.threshold);
+        if (std::isfinite(low.off) && looks % 4 != 3)
+            middle =
+                high.threshold - high.off * (high.threshold - low.threshold) / (high.off - low.off);
+        const End found = at(middle);
+        if (std::abs(found.off) <= 1e-5)
+            break;
+        const bool is_low = found.off < 0;
+        (is_low ? low : high) = found;
+        if (looks > 0 && is_low == was_low) // the other end stays for the second time
+            (is_low ? high : low).off *= 0.5;
+        was_low = is_low;
     }
-    return 0.5 * (low + high);
+    return middle;
 }
 
 std::shared_ptr<FoamLaw> law_of(const Realization& sea, const FoamModel& model, double threshold,

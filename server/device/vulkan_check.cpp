@@ -19,7 +19,7 @@ using Complex = std::complex<double>;
 constexpr double length_m = 100.0;
 constexpr double depth_m = 5.0; // coth(kd) runs from 3.3 to 1
 constexpr sea::Choppiness choppiness{1.3, 0.7};
-constexpr sea::TimeUs time_us = 86'400'000'123;
+constexpr sea::TimeUs checked_us = 86'400'000'123;
 constexpr int checked_points = 37;
 // Float transforms lose about 3e-7 of the sum of amplitudes; a wrong one loses all of it.
 constexpr double tolerance = 1e-5;
@@ -89,7 +89,7 @@ Sum direct_sum(const std::vector<Mode>& modes, int size, sea::Field field, int x
         if (row.time_rate)
             m *= Complex(0, -sea::omega_from_rate(mode.rate));
         const double turns = static_cast<double>(mode.nx * x + mode.ny * y) / size;
-        const double phase = 2 * std::numbers::pi * turns - sea::phase_rad(mode.rate, time_us);
+        const double phase = 2 * std::numbers::pi * turns - sea::phase_rad(mode.rate, checked_us);
         sum.value += 2 * (m * mode.h0 * std::polar(1.0, phase)).real();
         sum.scale += 2 * std::abs(m * mode.h0);
     }
@@ -105,10 +105,6 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
                      std::string(what) + " at (" + std::to_string(x) + ", " + std::to_string(y) +
                      ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value)};
 }
-
-constexpr sea::FieldSet all = sea::linear_fields;
-constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
-                                sea::Field::strain_xy};
 
 constexpr sea::FieldSet without(sea::FieldSet fields, sea::FieldSet less) {
     return sea::FieldSet::from_bits(fields.bits() & ~less.bits());
@@ -135,8 +131,9 @@ struct Maps {
 /// Strains, and what is made of them.
 Result<void> run_derived(gpu::Device& device, const SynthesisKernels& kernels, VulkanBatch& batch,
                          const VulkanBatch::Job& job, Maps& maps) {
-    const sea::FieldSet asked = strains | sea::FieldSet{sea::Field::jacobian, sea::Field::foam};
-    const Packing packing = pack(strains, asked);
+    const sea::FieldSet asked =
+        sea::strain_fields | sea::FieldSet{sea::Field::jacobian, sea::Field::foam};
+    const Packing packing = pack(sea::strain_fields, asked);
     VulkanFoam histories(device, kernels.size());
     SEAWAY_TRY_LET(const FoamMapPtr history, histories.open(nullptr));
     FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}, {}};
@@ -147,7 +144,7 @@ Result<void> run_derived(gpu::Device& device, const SynthesisKernels& kernels, V
     foam.steps[0].strain_yy = batch.place(packing, 0, sea::Field::strain_yy);
     foam.steps[0].strain_xy = batch.place(packing, 0, sea::Field::strain_xy);
     SEAWAY_TRY(batch.run({&job, 1}, packing, {&choppiness, &foam}));
-    for (const sea::Field field : strains)
+    for (const sea::Field field : sea::strain_fields)
         batch.read_map(VulkanBatch::own, 0, packing.map_of(field),
                        maps.planes[static_cast<std::size_t>(field)]);
     batch.read_map(VulkanBatch::own, 0, packing.map_of(sea::Field::foam), maps.foam);
@@ -177,7 +174,7 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
     if (!batch)
         return batch.error();
     SEAWAY_TRY((*batch)->upload(cascades));
-    const VulkanBatch::Job job{0, time_us};
+    const VulkanBatch::Job job{0, checked_us};
     const std::size_t points = cascade.h0.size();
     Maps maps{{sea::field_count, std::vector<float>(points)},
               std::vector<float>(points),
@@ -185,8 +182,8 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
               std::vector<float>(points),
               {}};
     SEAWAY_TRY(run_derived(device, kernels, **batch, job, maps));
-    const sea::FieldSet others =
-        without(all, strains); // maps of 2048 do not all stand side by side
+    const sea::FieldSet others = without(
+        sea::linear_fields, sea::strain_fields); // maps of 2048 do not all stand side by side
     SEAWAY_TRY((*batch)->run({&job, 1}, pack(others), {}));
     for (const sea::Field field : others)
         (*batch)->read_map(VulkanBatch::own, 0, pack(others).map_of(field),
@@ -203,9 +200,9 @@ Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int
     const std::size_t at =
         static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x);
     std::array<Sum, sea::field_count> truth{};
-    for (const sea::Field field : all)
+    for (const sea::Field field : sea::linear_fields)
         truth[static_cast<std::size_t>(field)] = direct_sum(modes, size, field, x, y);
-    for (const sea::Field field : all) {
+    for (const sea::Field field : sea::linear_fields) {
         const auto f = static_cast<std::size_t>(field);
         const std::string_view name = sea::info(field).name;
         SEAWAY_TRY(compare(size, name, x, y, maps.planes[f][at], truth[f]));

@@ -9,8 +9,8 @@ namespace seaway::server {
 
 namespace {
 
-constexpr std::size_t texel = 4; // floats
-constexpr std::size_t row_floats = texel * static_cast<std::size_t>(shaders::row_texels_max);
+constexpr std::size_t texel_floats = 4; // floats
+constexpr std::size_t row_floats = texel_floats * static_cast<std::size_t>(shaders::row_texels_max);
 static_assert(shaders::max_fields >= sea::linear_field_count);
 static_assert(shaders::max_sources >= sea::linear_field_count);
 
@@ -78,7 +78,8 @@ Packing pack(sea::FieldSet computed, sea::FieldSet asked, std::size_t apart) {
         packing.map[static_cast<std::size_t>(field)] = packing.maps++ + static_cast<int>(apart);
     packing.rows.assign(row_floats, 0.0f);
     for (const Source& source : sources_of(computed)) {
-        float* row = packing.rows.data() + 2 * texel * static_cast<std::size_t>(packing.sources++);
+        float* row =
+            packing.rows.data() + 2 * texel_floats * static_cast<std::size_t>(packing.sources++);
         row[source.rest] = 1.0f;
         row[5] = source.time_rate ? 1.0f : 0.0f;
         row[6] = static_cast<float>(packing.fields);
@@ -86,11 +87,11 @@ Packing pack(sea::FieldSet computed, sea::FieldSet asked, std::size_t apart) {
         for (const sea::Field field : source.fields) {
             const sea::FieldInfo& info = sea::info(field);
             float* field_row =
-                packing.rows.data() +
-                texel * (shaders::first_field_texel + static_cast<std::size_t>(packing.fields));
+                packing.rows.data() + texel_floats * (shaders::first_field_texel +
+                                                      static_cast<std::size_t>(packing.fields));
             field_row[factors(info.basis).power_x] = static_cast<float>(info.weight);
             field_row[3] = info.imaginary ? 1.0f : 0.0f;
-            packing.rows[texel *
+            packing.rows[texel_floats *
                          (shaders::first_map_texel + static_cast<std::size_t>(packing.fields))] =
                 static_cast<float>(packing.map_of(field));
             packing.plane[static_cast<std::size_t>(field)] = packing.fields++;

@@ -10,14 +10,12 @@ namespace seaway::server {
 namespace {
 
 constexpr sea::FieldSet derived{sea::Field::jacobian, sea::Field::foam};
-constexpr sea::FieldSet strains{sea::Field::strain_xx, sea::Field::strain_yy,
-                                sea::Field::strain_xy};
 
 /// Maps of a run: those that were asked for, and what they are made of.
 int maps_of(const KeyframeRequest& request) {
     const bool of_strains = request.fields.contains(sea::Field::jacobian) ||
                             (request.foam != nullptr && request.foam->looks(request.fields));
-    return (of_strains ? request.fields | strains : request.fields).size();
+    return (of_strains ? request.fields | sea::strain_fields : request.fields).size();
 }
 
 } // namespace
@@ -26,7 +24,7 @@ std::vector<KeyframeRequest> parts_of(const KeyframeRequest& request, int maps_a
     if (maps_of(request) <= maps_at_once)
         return {request};
     KeyframeRequest first = request;
-    first.fields = request.fields & (derived | strains);
+    first.fields = request.fields & (derived | sea::strain_fields);
     first.rounding = {};
     std::vector<KeyframeRequest> parts{first};
     KeyframeRequest next = request;

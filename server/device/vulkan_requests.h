@@ -15,9 +15,6 @@
 
 namespace seaway::server {
 
-inline constexpr sea::FieldSet strain_fields{sea::Field::strain_xx, sea::Field::strain_yy,
-                                             sea::Field::strain_xy};
-
 /// Requests that one series of dispatches can serve.
 struct RequestBatch {
     int size;
@@ -30,7 +27,7 @@ struct RequestBatch {
     /// By transforms.
     sea::FieldSet computed() const {
         const sea::FieldSet linear = fields & sea::linear_fields;
-        return jacobian() || looks ? linear | strain_fields : linear;
+        return jacobian() || looks ? linear | sea::strain_fields : linear;
     }
     /// `apart`: as pack() takes it.
     Packing packing(std::size_t apart = 0) const { return pack(computed(), fields, apart); }

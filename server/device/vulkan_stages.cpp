@@ -100,7 +100,7 @@ Result<std::vector<SynthesisStage>> VulkanBatch::stages(const Job& job,
         const bool jacobian = part.fields.contains(sea::Field::jacobian);
         if (!jacobian && linear.size() == 0)
             continue;
-        const Packing packing = pack(jacobian ? linear | strain_fields : linear);
+        const Packing packing = pack(jacobian ? linear | sea::strain_fields : linear);
         SEAWAY_TRY_LET(std::vector<SynthesisStage> some, stages_of(job, packing, sources));
         std::ranges::move(some, std::back_inserter(all));
         sources += packing.sources;

@@ -14,8 +14,8 @@ namespace seaway::server {
 namespace {
 
 constexpr std::string_view pace_word = "pace ";
-constexpr std::string_view magic = "seaway-journal ";
-constexpr int version = 1;
+constexpr std::string_view text_magic = "seaway-journal ";
+constexpr int text_version = 1;
 
 /// Takes "WORD NUMBER " or "WORD NUMBER\n" off the front.
 template <class Number>
@@ -97,9 +97,9 @@ Result<void> check_next(const SeaChange& last, const SeaChange& next) {
 
 std::string message_of(const LoggedChange& logged) {
     const SeaChange& change = logged.change;
-    std::string head =
-        fmt::format("{}{}\nepoch {} start_us {} end_us {} by_utc_us {} sum {:016x}", magic, version,
-                    change.epoch, change.start_us, change.end_us, logged.by_utc_us, logged.sum);
+    std::string head = fmt::format("{}{}\nepoch {} start_us {} end_us {} by_utc_us {} sum {:016x}",
+                                   text_magic, text_version, change.epoch, change.start_us,
+                                   change.end_us, logged.by_utc_us, logged.sum);
     if (change.epoch == 1)
         head += fmt::format(" epoch_utc_us {}", logged.epoch_utc_us);
     return head + '\n' + text_of(change);
@@ -107,15 +107,15 @@ std::string message_of(const LoggedChange& logged) {
 
 Result<LoggedChange> read_message(const std::string& message) {
     std::string_view rest = message;
-    if (!rest.starts_with(magic))
+    if (!rest.starts_with(text_magic))
         return Error{"is no change of a sea"};
     int layout = 0;
-    if (!take(rest, magic.substr(0, magic.size() - 1), layout))
+    if (!take(rest, text_magic.substr(0, text_magic.size() - 1), layout))
         return Error{"is cut off"};
-    if (layout != version)
+    if (layout != text_version)
         return Error{fmt::format("was written by another version of Seaway (its layout is {}, this "
                                  "one reads {})",
-                                 layout, version)};
+                                 layout, text_version)};
     LoggedChange logged;
     SeaChange& change = logged.change;
     if (!take(rest, "epoch", change.epoch) || !take(rest, "start_us", change.start_us) ||

@@ -20,8 +20,6 @@
 namespace seaway {
 namespace {
 
-using tests::Client;
-
 class Scarcity : public ::testing::Test {
   protected:
     Scarcity()
@@ -63,7 +61,7 @@ class Scarcity : public ::testing::Test {
         const sea::QueryPoint point{1, 2, 3'000'000};
         bool answered = false;
         for (int i = 0; i < 100 && !answered; ++i) {
-            Client client(port);
+            tests::Client client(port);
             answered = !client.connect() && client.greet() &&
                        !client.send(protocol::query(1, {&point, 1}, false)) &&
                        client.receive(wire::Body::QueryReply) != nullptr;
@@ -82,10 +80,10 @@ class Scarcity : public ::testing::Test {
 
 TEST_F(Scarcity, without_memory_requests_are_refused_and_the_process_goes_on) {
     for (const std::size_t more_mib : {64, 24, 6}) {
-        std::vector<std::unique_ptr<Client>> crowd;
+        std::vector<std::unique_ptr<tests::Client>> crowd;
         may_take(more_mib << 20);
         for (int i = 0; i < 12; ++i) {
-            auto client = std::make_unique<Client>(port);
+            auto client = std::make_unique<tests::Client>(port);
             if (client->connect() || !client->greet())
                 continue; // it may be this one for which there is no memory
             std::vector<sea::QueryPoint> points(4096);

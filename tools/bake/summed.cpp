@@ -15,8 +15,6 @@ using sea::Keyframe;
 
 namespace {
 
-constexpr FieldSet strains{Field::strain_xx, Field::strain_yy, Field::strain_xy};
-
 /// Up to six planes under the names that a SplineMap samples, in its order.
 sea::SplineMap spline_of(const Keyframe& keyframe, std::span<const std::span<const float>> planes) {
     Keyframe renamed;
@@ -123,7 +121,7 @@ Keyframe sum_cascades(const sea::Realization& sea, const CascadeMaps& maps, Fiel
     tile.time_us = maps.keyframes.front()->time_us;
     tile.size = summed_size(sea);
     tile.length_m = sea.cascades.front().spec.length_m;
-    tile.fields = fields.contains(Field::jacobian) ? fields | strains : fields;
+    tile.fields = fields.contains(Field::jacobian) ? fields | sea::strain_fields : fields;
     tile.values.resize(static_cast<std::size_t>(tile.fields.size()) * tile.plane_size());
     std::vector<Field> linear;
     for (const Field field : tile.fields)

@@ -23,10 +23,8 @@ namespace {
 
 using gpu::uniform;
 constexpr VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
-constexpr std::size_t texel_bytes = 4 * sizeof(float);
 using gpu::storage;
 using gpu::texel_buffer;
-constexpr std::array<std::uint32_t, 3> group{shaders::view_group, 1, 1};
 
 std::size_t square(int side) {
     return static_cast<std::size_t>(side) * static_cast<std::size_t>(side);
@@ -99,13 +97,13 @@ Result<void> DeviceSea::create_kernels() {
                   *device_, "mix of keyframes", mix_comp,
                   {{{"View", uniform}, {"keyframes", texel_buffer}, {"DisplacementMaps", storage}},
                    sizeof(std::int32_t),
-                   group})));
+                   view_groups})));
     SEAWAY_TRY(keep(level_0_, Kernel::create(*device_, "gradients", gradients_comp,
                                              {{{"View", uniform},
                                                {"displacements", texel_buffer},
                                                {"GradientMaps", storage}},
                                               0,
-                                              group})));
+                                              view_groups})));
     return keep(mips_, Kernel::create(*device_, "mip levels", mips_comp,
                                       {{{"View", uniform},
                                         {"DisplacementMaps", storage},
@@ -113,7 +111,7 @@ Result<void> DeviceSea::create_kernels() {
                                         {"displacements_above", texel_buffer},
                                         {"gradients_above", texel_buffer}},
                                        sizeof(std::int32_t),
-                                       group}));
+                                       view_groups}));
 }
 
 bool DeviceSea::fits(const SeaFrame& frame) const {

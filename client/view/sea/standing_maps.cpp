@@ -22,8 +22,6 @@ using gpu::keep;
 using gpu::storage;
 using gpu::texel_buffer;
 using gpu::uniform;
-constexpr std::array<std::uint32_t, 3> group{shaders::view_group, 1, 1};
-constexpr std::size_t texel_bytes = 4 * sizeof(float);
 
 /// What shaders/view/planes.comp is told.
 struct Planes {
@@ -58,13 +56,13 @@ Result<StandingMaps> StandingMaps::create(gpu::Device& device) {
                         device, "mix of maps", planes_comp,
                         {{{"View", uniform}, {"maps", texel_buffer}, {"DisplacementMaps", storage}},
                          sizeof(Planes),
-                         group})));
+                         view_groups})));
     SEAWAY_TRY(keep(made.splines_,
                     gpu::Kernel::create(
                         device, "splines", splines_comp,
                         {{{"View", uniform}, {"samples", texel_buffer}, {"Coefficients", storage}},
                          sizeof(std::int32_t),
-                         group})));
+                         view_groups})));
     return made;
 }
 

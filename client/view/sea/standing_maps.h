@@ -6,6 +6,9 @@
 // Not thread-safe; what a DeviceSea has for such seas.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
@@ -15,8 +18,12 @@
 #include "gpu/buffer.h"
 #include "gpu/commands.h"
 #include "gpu/kernel.h"
+#include "shaders/shared/view.h"
 
 namespace seaway::client {
+
+inline constexpr std::size_t texel_bytes = 4 * sizeof(float); ///< of all that views sample
+inline constexpr std::array<std::uint32_t, 3> view_groups{shaders::view_group, 1, 1};
 
 class StandingMaps {
   public:

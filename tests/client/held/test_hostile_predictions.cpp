@@ -11,7 +11,7 @@ namespace {
 
 using sea::Field;
 
-constexpr sea::FieldSet both{Field::height, Field::height_rate};
+constexpr sea::FieldSet two_fields{Field::height, Field::height_rate};
 
 struct Sent {
     std::uint64_t keyframe = 1;
@@ -51,12 +51,12 @@ Result<TileAssembly::Added> add(TileAssembly& assembly, const Sent& sent) {
                                       .base = 1};
     const protocol::CascadeInfo cascade{
         .length_m = 100, .size = sent.cascade == 0 ? sent.size : 2048, .interval_us = 100'000};
-    return assembly.add(header, sent.differs ? forms->difference : forms->whole, cascade, 0, both,
-                        {}, sea::WaveLaw{});
+    return assembly.add(header, sent.differs ? forms->difference : forms->whole, cascade, 0,
+                        two_fields, {}, sea::WaveLaw{});
 }
 
 void add_base(TileAssembly& assembly, int size, sea::TimeUs time_us = 0) {
-    for (const Field field : both)
+    for (const Field field : two_fields)
         ASSERT_TRUE(
             add(assembly, {.field = field, .size = size, .time_us = time_us, .width = size}));
 }

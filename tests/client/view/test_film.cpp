@@ -25,7 +25,7 @@ class FilmTest : public RendererTest {
     }
 };
 
-Picture ramp() {
+Picture brightening() {
     Picture picture{16, 4, {}};
     for (int i = 0; i < 16 * 4; ++i)
         for (int c = 0; c < 4; ++c)
@@ -55,7 +55,7 @@ TEST_F(FilmTest, the_film_curve_of_greys_is_hills_fit_of_aces_and_of_logarithms_
 
 // Naive: the strength multiplies what is shown, so that whites turn grey and colours shift.
 TEST_F(FilmTest, strength_multiplies_linear_light_before_the_film_curve) {
-    const Picture once = ramp();
+    const Picture once = brightening();
     Picture brighter = once;
     for (float& value : brighter.rgba)
         value *= 3.0f;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/sea/foam/foam_seas.h"
@@ -199,6 +200,32 @@ TEST(FoamLaw, the_threshold_is_found_that_whitens_what_is_observed) {
     scene.foam.threshold = 0.5; // an explicit one wins
     EXPECT_EQ(make_foam_law(scene, *storm())->threshold, 0.5);
     EXPECT_FALSE(make_foam_law(scene, *storm())->observed.has_value());
+}
+
+// Of a sea that hardly bends and one that folds all over, of much foam and little, with a jump where it breaks and without.
+TEST(FoamLaw, the_threshold_is_found_wherever_there_is_one) {
+    int found = 0;
+    for (const double steepness : {1e-4, 0.03, 0.3})
+        for (const double wind_mps : {5.0, 24.0, 60.0})
+            for (const double bias : {0.0, 1e-3, 1.0}) {
+                Scene scene;
+                scene.sea.systems = {WindSea{.wind_speed_10m_mps = wind_mps}};
+                scene.foam.bias = bias;
+                const FoamLawPtr law = make_foam_law(scene, *storm(steepness));
+                ASSERT_TRUE(law->observed.has_value());
+                const double off = law->mean_coverage / law->observed->share - 1;
+                const auto what = fmt::format("steepness {}, {} m/s, bias {}, threshold {}",
+                                              steepness, wind_mps, bias, law->threshold);
+                if (law->threshold == 1) {
+                    EXPECT_LE(off, 0) << what;
+                } else if (law->threshold == -1) {
+                    EXPECT_GE(off, 0) << what;
+                } else {
+                    ++found;
+                    EXPECT_NEAR(off, 0, 2e-5) << what;
+                }
+            }
+    EXPECT_GE(found, 12) << "of 27";
 }
 
 TEST(FoamLaw, where_no_wind_whitens_there_is_no_foam_and_a_reason) {

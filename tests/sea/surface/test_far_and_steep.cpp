@@ -13,14 +13,14 @@
 namespace seaway::sea {
 namespace {
 
-constexpr TimeUs interval_us = 50'000;
+constexpr TimeUs between_us = 50'000;
 
 Surface surface_at_time(const RealizationPtr& sea, TimeUs from_us) {
     std::vector<SplinePair> pairs;
     for (int c = 0; c < static_cast<int>(sea->cascades.size()); ++c)
         pairs.push_back(
             {std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, from_us)),
-             std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, from_us + interval_us))});
+             std::make_shared<SplineMap>(*tests::exact_keyframe(sea, c, from_us + between_us))});
     return Surface(pairs, sea->choppiness, {.reach_m = 5.0}, {});
 }
 

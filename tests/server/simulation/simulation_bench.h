@@ -221,4 +221,12 @@ class Gate {
     const std::shared_future<void> opened_ = open_.get_future().share();
 };
 
+/// Three metres between them, and so much time.
+inline std::vector<sea::QueryPoint> points_in_a_row(std::size_t count, TimeUs step_us = 0) {
+    std::vector<sea::QueryPoint> points;
+    for (std::size_t i = 0; i < count; ++i)
+        points.push_back({3.0 * static_cast<double>(i), 1, static_cast<TimeUs>(i) * step_us});
+    return points;
+}
+
 } // namespace seaway::server

@@ -12,13 +12,6 @@ const HoldingOf nothing_held = [](const KeyframeRequest&) { return Holding::noth
 const HoldingOf all_held = [](const KeyframeRequest&) { return Holding::spline; };
 const std::string foam_of_5_s = "[foam]\nthreshold = 0.8\ndecay_s = 5\n";
 
-std::vector<sea::QueryPoint> points(std::size_t count, TimeUs step_us = 0) {
-    std::vector<sea::QueryPoint> all;
-    for (std::size_t i = 0; i < count; ++i)
-        all.push_back({3.0 * static_cast<double>(i), 0, static_cast<TimeUs>(i) * step_us});
-    return all;
-}
-
 double fetch_us(const Prices& prices, const RunningSeaPtr& sea, std::vector<TimeUs> times_us,
                 Demand demand, const HoldingOf& held = nothing_held) {
     return prices.keyframes_us(keyframes_around(*steady_course(sea), times_us, demand), held);
@@ -59,15 +52,16 @@ TEST(Prices, points_at_one_time_share_its_surface_and_points_at_many_pay_for_eac
     const Prices prices(steady_course(running_sea()));
     const double surface = prices.surface_us(0, nothing_held);
     ASSERT_GT(surface, 0);
-    EXPECT_NEAR(prices.points_us(points(1000), nothing_held), surface + 1000 * price_point_us,
-                1e-6);
-    EXPECT_NEAR(prices.points_us(points(1000, 3'600'000'000), nothing_held),
+    EXPECT_NEAR(prices.points_us(points_in_a_row(1000), nothing_held),
+                surface + 1000 * price_point_us, 1e-6);
+    EXPECT_NEAR(prices.points_us(points_in_a_row(1000, 3'600'000'000), nothing_held),
                 1000 * (surface + price_point_us), 1e-3);
-    EXPECT_NEAR(prices.points_us(points(1000), all_held), 1000 * price_point_us, 1e-6);
-    EXPECT_LE(prices.points_us(points(1), nothing_held), prices.prompt_us())
+    EXPECT_NEAR(prices.points_us(points_in_a_row(1000), all_held), 1000 * price_point_us, 1e-6);
+    EXPECT_LE(prices.points_us(points_in_a_row(1), nothing_held), prices.prompt_us())
         << "a single point is a prompt question wherever it is asked about";
-    EXPECT_GT(prices.points_us(points(4096), nothing_held), prices.prompt_us());
-    EXPECT_GT(prices.points_us(points(2, 3'600'000'000), nothing_held), prices.prompt_us());
+    EXPECT_GT(prices.points_us(points_in_a_row(4096), nothing_held), prices.prompt_us());
+    EXPECT_GT(prices.points_us(points_in_a_row(2, 3'600'000'000), nothing_held),
+              prices.prompt_us());
 }
 
 // Naive: who asks about the seas of a long log has them made before anybody has said what that takes.
@@ -84,7 +78,7 @@ TEST(Prices, seas_that_are_not_made_are_paid_for_and_none_is_made_to_know_it) {
     EXPECT_NEAR(prices.points_us(at(60 * second_us), all_held), 2 * sea_us + price_point_us, 1e-6);
     EXPECT_NEAR(prices.fetch_us({steady_us, 2 * steady_us}, {1u, {Field::height}}, all_held),
                 2 * sea_us, 1e-6);
-    EXPECT_GT(prices.exact_us(points(100, 100 * second_us)), 99 * sea_us);
+    EXPECT_GT(prices.exact_us(points_in_a_row(100, 100 * second_us)), 99 * sea_us);
     EXPECT_GT(prices.points_us(at(steady_us), all_held), prices.prompt_us());
     for (std::uint32_t epoch = 2; epoch <= course->epochs(); ++epoch)
         EXPECT_EQ(course->sea_if_held(epoch), nullptr) << epoch;
@@ -99,7 +93,7 @@ TEST(Prices, an_exact_sum_in_a_glide_has_its_waves_made_for_each_time) {
     (void)course->sea(2);
     const Prices prices(course);
     const auto between = [&](TimeUs from_us, std::size_t count) {
-        std::vector<sea::QueryPoint> all = points(count, second_us);
+        std::vector<sea::QueryPoint> all = points_in_a_row(count, second_us);
         for (sea::QueryPoint& point : all)
             point.time_us += from_us;
         return prices.exact_us(all);
@@ -131,17 +125,19 @@ TEST(Prices, a_keyframe_in_a_glide_has_the_waves_of_its_cascade_made_and_of_no_o
 
 TEST(Prices, an_exact_sum_is_all_waves_for_each_point_and_more_for_each_time) {
     const Prices prices(steady_course(running_sea()));
-    const double one = prices.exact_us(points(1)), two = prices.exact_us(points(2));
+    const double one = prices.exact_us(points_in_a_row(1)),
+                 two = prices.exact_us(points_in_a_row(2));
     EXPECT_GT(one, 0);
-    EXPECT_NEAR(prices.exact_us(points(256)), one + 255 * (two - one), 1e-6);
-    EXPECT_GT(prices.exact_us(points(256, 1'000'000)), prices.exact_us(points(256)));
+    EXPECT_NEAR(prices.exact_us(points_in_a_row(256)), one + 255 * (two - one), 1e-6);
+    EXPECT_GT(prices.exact_us(points_in_a_row(256, 1'000'000)),
+              prices.exact_us(points_in_a_row(256)));
 }
 
 // What nobody looks up counts as not held, so that pricing 4096 times costs no 4096 lookups.
 TEST(Prices, looking_up_what_is_held_ends_at_some_time) {
     const Prices prices(steady_course(running_sea()));
     int looked_up = 0;
-    (void)prices.points_us(points(4096, 3'600'000'000), [&](const KeyframeRequest&) {
+    (void)prices.points_us(points_in_a_row(4096, 3'600'000'000), [&](const KeyframeRequest&) {
         ++looked_up;
         return Holding::spline;
     });

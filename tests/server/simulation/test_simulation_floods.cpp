@@ -10,13 +10,6 @@
 namespace seaway::server {
 namespace {
 
-std::vector<sea::QueryPoint> points(std::size_t count, TimeUs step_us) {
-    std::vector<sea::QueryPoint> all;
-    for (std::size_t i = 0; i < count; ++i)
-        all.push_back({3.0 * static_cast<double>(i), 1, static_cast<TimeUs>(i) * step_us});
-    return all;
-}
-
 /// Four sessions that ask all they may: points at far times, exact sums, far keyframes, maps.
 class Flood {
   public:
@@ -26,9 +19,9 @@ class Flood {
             const TimeUs far_us = (i + 1) * 3'600'000'000;
             for (int k = 0; k < 4; ++k) {
                 bench.simulation->answer(
-                    points(512, far_us), false, [](const auto&) {}, asker);
+                    points_in_a_row(512, far_us), false, [](const auto&) {}, asker);
                 bench.simulation->answer(
-                    points(256, far_us), true, [](const auto&) {}, asker);
+                    points_in_a_row(256, far_us), true, [](const auto&) {}, asker);
                 bench.simulation->surface(
                     far_us + k * 60'000'000, [](const auto&) {}, asker);
             }
@@ -80,10 +73,11 @@ TEST(Floods, of_small_questions_are_not_answered_before_a_single_point_that_come
             const Asker asker(flood.emplace_back(std::make_shared<char>()));
             for (int k = 0; k < 8; ++k)
                 bench.simulation->answer(
-                    points(8, 0), true, [&](const auto&) { ++answered; }, asker);
+                    points_in_a_row(8, 0), true, [&](const auto&) { ++answered; }, asker);
         }
         bench.simulation->answer(
-            points(1, 0), true, [&](const auto&) { before.set_value(answered); }, Asker(single));
+            points_in_a_row(1, 0), true, [&](const auto&) { before.set_value(answered); },
+            Asker(single));
     }
     EXPECT_EQ(before.get_future().get(), 0);
     bench.settle();
