@@ -11,7 +11,7 @@ function(seaway_source_options options)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "${options}" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# Eight files are compiled as one, in less than half the time: most of it goes to headers that all of them take.
+# Sixteen files are compiled as one, in less than half the time: most of it goes to headers that all of them take.
 # So no two files of a room or program may give one name, outside functions, to different things.
 function(seaway_together target)
   if(SEAWAY_PRECOMPILE)

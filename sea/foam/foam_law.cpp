@@ -239,7 +239,7 @@ StrainMoments sum_of(const std::vector<StrainMoments>& parts) {
 
 /// The threshold at which breaking has this mean, -1 .. 1, which grows with the threshold; the nearer
 /// end where none does. Right to 1e-5 of the mean, whose logarithm is nearly a parabola of the threshold: false
-/// position by Illinois' rule (Dowell and Jarratt 1971), and every fourth time the middle, where there is a jump.
+/// position by Illinois' rule (Dowell and Jarratt 1971), which ends in a jump as well.
 double threshold_of(double wanted_mean, double bias, const StrainMoments& moments) {
     struct End {
         double threshold;
@@ -257,7 +257,7 @@ double threshold_of(double wanted_mean, double bias, const StrainMoments& moment
     bool was_low = false;
     for (int looks = 0; looks < 60; ++looks) {
         middle = 0.5 * (low.threshold + high.threshold);
-        if (std::isfinite(low.off) && looks % 4 != 3)
+        if (std::isfinite(low.off))
             middle =
                 high.threshold - high.off * (high.threshold - low.threshold) / (high.off - low.off);
         const End found = at(middle);

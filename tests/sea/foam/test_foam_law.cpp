@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include <fmt/format.h>
@@ -200,6 +201,27 @@ TEST(FoamLaw, the_threshold_is_found_that_whitens_what_is_observed) {
     scene.foam.threshold = 0.5; // an explicit one wins
     EXPECT_EQ(make_foam_law(scene, *storm())->threshold, 0.5);
     EXPECT_FALSE(make_foam_law(scene, *storm())->observed.has_value());
+}
+
+// Of long crests the mean is an integral along one axis, here by Simpson's rule.
+TEST(FoamLaw, what_breaks_many_deviations_away_is_as_little_as_it_should_be) {
+    constexpr double sigma = 0.04;
+    StrainMoments moments;
+    moments.bb = sigma * sigma;
+    for (const double deviations : {0.5, 3.0, 5.9, 6.1, 7.9, 8.1, 12.0, 24.0, 37.0}) {
+        constexpr int steps = 4000;
+        const double end = 40 / (1 + deviations); // beyond, the density has fallen by e^-40
+        double truth = 0;
+        for (int i = 0; i <= steps; ++i) {
+            const double x = end * i / steps, z = deviations + x;
+            const double weight = i == 0 || i == steps ? 1 : i % 2 == 1 ? 4 : 2;
+            truth += weight * x * std::exp(-0.5 * z * z);
+        }
+        truth *= sigma * end / steps / 3 / std::sqrt(2 * std::numbers::pi);
+        const double mean = mean_shortfall(1 - deviations * sigma, moments);
+        EXPECT_NEAR(mean / truth, 1, 1e-9) << deviations; // t^2 of the last digit is lost
+    }
+    EXPECT_EQ(mean_shortfall(1 - 50 * sigma, moments), 0);
 }
 
 // Of a sea that hardly bends and one that folds all over, of much foam and little, with a jump where it breaks and without.
