@@ -20,7 +20,7 @@ import sys
 from source_files import ROOT
 
 JUDGE = "clang-tidy-14"
-FILES_MAX = 12  # a minute of two cores
+FILES_MAX = 8  # less than a minute of two cores
 TRUNK = "origin/main"
 NO_FILES = "4b825dc642cb6eb9a060e54bf8d69288fbee4904"  # git's name of a tree without files
 
