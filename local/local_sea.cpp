@@ -75,7 +75,7 @@ client::SeaStatePtr state_of(const server::RunningSea& sea) {
     state->height_error_m = sea.budget.height_error_m;
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         const sea::CascadeModes& modes = sea.realization->cascades[c];
-        state->cascades.push_back({modes.spec.length_m, modes.spec.size, modes.band.k_lo_radpm,
+        state->cascades.push_back({modes.spec.length_m, modes.spec.size, modes.longest_radpm(),
                                    modes.band.k_hi_radpm, sea.budget.cascades[c].interval_us});
     }
     state->displacement_reach_m = sea.budget.displacement_reach_m;
@@ -190,7 +190,8 @@ Result<client::SeaFrame> LocalSea::at(sea::TimeUs time_us) {
     };
     for (std::size_t c = 0; c < held_.size(); ++c) {
         const sea::CascadeModes& modes = sea_->realization->cascades[c];
-        CascadeFrame cascade{.spec = modes.spec, .band = modes.band};
+        CascadeFrame cascade{.spec = modes.spec,
+                             .band = {modes.longest_radpm(), modes.band.k_hi_radpm}};
         cascade.standing = held_[c];
         frame.cascades.push_back(std::move(cascade));
     }

@@ -162,7 +162,7 @@ Bytes welcome(std::uint64_t session, std::string_view server, const sea::SeaTime
 struct CascadeInfo {
     double length_m = 0;
     int size = 0;
-    double k_lo_radpm = 0;
+    double k_lo_radpm = 0; ///< of its longest wave: where its band begins, or a wave given by hand
     double k_hi_radpm = 0;
     std::int64_t interval_us = 0; ///< between keyframes, which lie at whole multiples of it
 };

@@ -197,8 +197,7 @@ int serve(const Options& options) {
         return *code;
     const auto& [scene, course, memory] = std::get<Read>(read);
     const StartFiles start_files(options);
-    const Result<Resumed> resumed =
-        begin_or_resume(options.journal, *course, SeaClock::utc_now_us());
+    Result<Resumed> resumed = begin_or_resume(options.journal, *course, SeaClock::utc_now_us());
     if (!resumed) {
         const Error& why = resumed.error();
         const bool passes = why.is(JournalError::unreachable) || why.is(JournalError::unknown);
@@ -244,6 +243,7 @@ int serve(const Options& options) {
     (*net)->stop();
     director.reset(); // nobody asks it any more
     (*simulation).reset();
+    resumed->journal.reset(); // its disk or its NATS may hang, too
     return asked ? exit_stopped : exit_no_device;
 }
 

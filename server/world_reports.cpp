@@ -143,7 +143,7 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
     state.start_time_us = std::max(window.start_us, -sea::time_us_max);
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         const sea::CascadeModes& modes = sea.realization->cascades[c];
-        state.cascades.push_back({modes.spec.length_m, modes.spec.size, modes.band.k_lo_radpm,
+        state.cascades.push_back({modes.spec.length_m, modes.spec.size, modes.longest_radpm(),
                                   modes.band.k_hi_radpm, sea.budget.cascades[c].interval_us});
     }
     state.choppiness_x = sea.realization->choppiness.x;

@@ -49,7 +49,7 @@ struct Looking {
     /// too stay.
     double min_wavelength_m = 0;
 
-    /// `longest_radpm`: where the band of this cascade begins.
+    /// `longest_radpm`: CascadeModes::longest_radpm().
     bool feels(std::size_t cascade, double longest_radpm) const {
         return (cascades >> cascade & 1u) != 0 &&
                longest_radpm * min_wavelength_m <= 2 * std::numbers::pi;

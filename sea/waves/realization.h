@@ -10,8 +10,10 @@
 // Source: Tessendorf 2001 with the amplitude of physics.md section 0 (docs/physics.md).
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -40,7 +42,12 @@ struct CascadeModes {
     bool carries_spectra = true;
     /// Stylised waves that are no modes, on this tile (sea/waves/sine_waves.h); mostly empty.
     std::vector<SineField> sines;
+    /// Waves given by hand are no longer than this says, rad/m; infinity: there are none.
+    double placed_from_radpm = std::numeric_limits<double>::infinity();
     double depth_m = deep_water_m;
+
+    /// All of its waves are at least as short, whatever raised them.
+    double longest_radpm() const { return std::min(band.k_lo_radpm, placed_from_radpm); }
 
     /// A sea that is given to a device may lack cascades that nobody asks for: of those there are no waves, and the rest is said.
     bool is_there() const { return !h0.empty(); }

@@ -179,6 +179,7 @@ void place(CascadeModes& tile, const ExplicitMode& mode, const SeaState& sea,
     const Rate rate = mode_rate(sea.dispersion().omega(k), loop_period_us);
     tile.rate[at(mode.nx, mode.ny)] = rate;
     tile.rate[at(-mode.nx, -mode.ny)] = rate;
+    tile.placed_from_radpm = std::min(tile.placed_from_radpm, k);
     const double amplitude = 0.5 * sea.height_scale * mode.amplitude_m; // may be negative
     tile.given.resize(tile.h0.size());
     tile.given[at(mode.nx, mode.ny)] = 1;
@@ -204,6 +205,9 @@ Result<void> add_sine_field(Realization& realization, const SineRamps& ramps, co
         tile_for(realization, sea, ramps.length_m, steps_of(ramps, sea, index));
     if (!tile)
         return tile.error();
+    // No octave of noise has a longer one than this, either.
+    (*tile)->placed_from_radpm =
+        std::min((*tile)->placed_from_radpm, 0.5 * (*tile)->spec.wavenumber_step_radpm());
     (*tile)->sines.push_back(sine_field(ramps, sea.seed, index, sea.dispersion(), sea.height_scale,
                                         realization.loop_period_us));
     return {};

@@ -95,9 +95,14 @@ struct LatticeVector {
     int ny;
 };
 LatticeVector snapped(const Asked& wave) {
-    const int nx = static_cast<int>(std::lround(wave.steps * std::cos(wave.towards_rad)));
-    const int ny = static_cast<int>(std::lround(wave.steps * std::sin(wave.towards_rad)));
-    return nx == 0 && ny == 0 ? LatticeVector{1, 0} : LatticeVector{nx, ny}; // longer than the tile
+    const double east = std::cos(wave.towards_rad), north = std::sin(wave.towards_rad);
+    const int nx = static_cast<int>(std::lround(wave.steps * east));
+    const int ny = static_cast<int>(std::lround(wave.steps * north));
+    if (nx != 0 || ny != 0)
+        return {nx, ny};
+    // Longer than the tile: along its nearest side.
+    return std::abs(east) >= std::abs(north) ? LatticeVector{east < 0 ? -1 : 1, 0}
+                                             : LatticeVector{0, north < 0 ? -1 : 1};
 }
 
 /// Octaves keep their direction; their cells are whole numbers, two to a wavelength.

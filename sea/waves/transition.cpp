@@ -11,6 +11,15 @@ namespace seaway::sea {
 
 namespace {
 
+/// What waves that are there besides were given by hand.
+void add_given(const CascadeModes& more, CascadeModes& modes) {
+    if (!more.given.empty() && modes.given.empty())
+        modes.given.resize(modes.h0.size());
+    for (std::size_t i = 0; i < more.given.size(); ++i)
+        modes.given[i] = modes.given[i] || more.given[i];
+    modes.placed_from_radpm = std::min(modes.placed_from_radpm, more.placed_from_radpm);
+}
+
 /// exp(-i 2 pi turns), turns in 0.64 fixed point.
 std::complex<double> turned_back(std::uint64_t turns) {
     const double angle = rad_from_turns(turns);
@@ -189,6 +198,8 @@ Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr 
     fading->choppiness = from->choppiness;
     for (std::size_t c = 0; c < to->cascades.size(); ++c) {
         continue_onto(from->cascades[c], from_time, start_us, fading->cascades[c]);
+        fading->cascades[c].given = from->cascades[c].given;
+        fading->cascades[c].placed_from_radpm = from->cascades[c].placed_from_radpm;
         continue_onto(after->cascades[c], to_time, start_us, growing->cascades[c]);
     }
     SeaTransition transition;
@@ -224,6 +235,7 @@ RealizationPtr SeaTransition::with_share(double share, std::uint32_t cascades) c
             h0[i] = old_h0[i] + share * (h0[i] - old_h0[i]);
         sea->cascades[c].depth_m =
             mixed_depth_m(fading_->cascades[c].depth_m, growing_->cascades[c].depth_m, share);
+        add_given(fading_->cascades[c], sea->cascades[c]);
         blend_sines(fading_->cascades[c], share, sea->cascades[c]);
     }
     return sea;
@@ -239,6 +251,7 @@ RealizationPtr SeaTransition::growth(TimeUs time_us, std::uint32_t cascades) con
             continue;
         for (std::size_t i = 0; i < modes.h0.size(); ++i)
             modes.h0[i] -= old_modes.h0[i];
+        add_given(old_modes, modes);
         modes.depth_m = mixed_depth_m(old_modes.depth_m, modes.depth_m, share);
         for (SineField field : old_modes.sines) {
             field.share *= -1.0;
@@ -280,10 +293,7 @@ RealizationPtr SeaTransition::envelope() const {
         for (std::size_t i = 0; i < modes.h0.size(); ++i)
             if (std::norm(old_modes.h0[i]) > std::norm(modes.h0[i]))
                 modes.h0[i] = old_modes.h0[i];
-        if (!old_modes.given.empty() && modes.given.empty())
-            modes.given.resize(modes.h0.size());
-        for (std::size_t i = 0; i < old_modes.given.size(); ++i)
-            modes.given[i] = modes.given[i] || old_modes.given[i];
+        add_given(old_modes, modes);
         modes.depth_m = std::min(old_modes.depth_m, modes.depth_m);
         modes.sines.insert(modes.sines.end(), old_modes.sines.begin(), old_modes.sines.end());
     }

@@ -49,8 +49,12 @@ template <class T, class Work>
 Result<T> RebuiltSynthesizer::attempt(bool on_foam, const Work& work) {
     Error last{"there is no device"};
     for (int attempt = 0;; ++attempt) {
-        if (device_ && attempt > 0 && on_foam)
+        if (device_ && attempt > 0 && on_foam) {
+            // Who starts foam anew and fails each time has a device that cannot do it.
+            if (++foam_losses_ > device_rebuilds_max)
+                return last;
             return Error{DeviceError::foam_lost, last.message};
+        }
         if (device_) {
             Result<T> made = work(*device_);
             if (made || made.error().is(DeviceError::out_of_memory))
@@ -82,8 +86,11 @@ RebuiltSynthesizer::synthesize(std::span<const KeyframeRequest> requests) {
             return request.foam != nullptr && request.foam->map->lost();
         }))
         return Error{DeviceError::foam_lost, "the device that a foam map stood on was lost"};
-    return attempt<std::vector<NewKeyframePtr>>(
+    Result<std::vector<NewKeyframePtr>> made = attempt<std::vector<NewKeyframePtr>>(
         on_foam, [&](Synthesizer& device) { return device.synthesize(requests); });
+    if (made && on_foam)
+        foam_losses_ = 0;
+    return made;
 }
 
 SynthesisCounters RebuiltSynthesizer::counters() const {

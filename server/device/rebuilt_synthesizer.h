@@ -31,7 +31,7 @@ class RebuiltSynthesizer final : public Synthesizer {
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override;
 
     /// An error is that of the last of device_rebuilds_max + 1 attempts; or DeviceError::foam_lost: there is a device
-    /// again, or what is asked for next makes one.
+    /// again, or what is asked for next makes one; no more often than device_rebuilds_max times without foam in between.
     Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override;
@@ -54,6 +54,7 @@ class RebuiltSynthesizer final : public Synthesizer {
     std::unique_ptr<Synthesizer> device_; ///< null after a rebuild that failed
     SynthesisCounters before_;            ///< of devices that are gone
     std::uint64_t rebuilds_ = 0;
+    int foam_losses_ = 0; ///< in a row, without foam that was made in between
 };
 
 } // namespace seaway::server

@@ -130,7 +130,8 @@ Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
         return {};
     SEAWAY_TRY(hold(growth));
     SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> made, device_->synthesize(grown));
-    const sea::SeaTransition& change = course_->sea(growth.epoch)->glide->change;
+    const RunningSeaPtr glide = course_->sea(growth.epoch);
+    const sea::SeaTransition& change = glide->glide->change;
     const auto rate_hz =
         static_cast<float>(sea::glide_rate(*growth.time_us, change.start_us(), change.end_us()));
     for (std::size_t i = 0; i < grown.size(); ++i)

@@ -41,7 +41,7 @@ std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& loo
     std::uint32_t felt = 0;
     bool all = true;
     for (std::size_t c = 0; c < sea.cascades.size(); ++c)
-        if (looking.feels(c, sea.cascades[c].band.k_lo_radpm))
+        if (looking.feels(c, sea.cascades[c].longest_radpm()))
             felt |= 1u << c;
         else
             all = false;

@@ -85,23 +85,29 @@ std::optional<Schedule::Place> Schedule::next_of_main(const Stream& stream) cons
     return Place{last.sea, last.interval_us, last.time_us + last.interval_us};
 }
 
-std::optional<Schedule::Place> Schedule::next_of_following(const Stream& stream, Lane lane) const {
+std::optional<Schedule::Place> Schedule::next_of_following(const Stream& stream, Lane lane,
+                                                           const std::optional<Place>& main) const {
     const EpochWindow window = course_.window(stream.main.sea->epoch);
     if (window.end_us == std::numeric_limits<TimeUs>::max())
         return std::nullopt;
     // One that another has taken over from before it began has no end of its own.
     const TimeUs from_us = window.empty() ? stream.main.time_us : window.end_us;
-    const Place first = place(course_.at(from_us), lane, from_us);
-    if (!stream.following || stream.following->sea->epoch != first.sea->epoch)
-        return first;
-    return Place{first.sea, first.interval_us, stream.following->time_us + first.interval_us};
+    const std::uint32_t epoch = course_.window_at(from_us).epoch;
+    if (stream.following && stream.following->sea->epoch == epoch) {
+        const Place& last = *stream.following;
+        return Place{last.sea, last.interval_us, last.time_us + last.interval_us};
+    }
+    RunningSeaPtr sea = course_.sea_if_held(epoch);
+    if (!sea && main && main->interval_begins_us() < from_us - made_ahead_us_)
+        return std::nullopt;
+    return place(sea ? std::move(sea) : course_.sea(epoch), lane, from_us);
 }
 
 std::pair<Schedule::Place, Schedule::Stream> Schedule::next(const Stream& stream, Lane lane) const {
     const std::optional<Place> main = next_of_main(stream);
     if (!main && stream.following) // over: the other one is the stream
         return next(Stream{*stream.following}, lane);
-    const std::optional<Place> following = next_of_following(stream, lane);
+    const std::optional<Place> following = next_of_following(stream, lane, main);
     SEAWAY_CHECK(main || following, "where one sea ends another follows");
     if (main && (!following || main->interval_begins_us() <= following->interval_begins_us()))
         return {*main, Stream{*main, stream.following}};

@@ -30,6 +30,10 @@ inline constexpr sea::TimeUs publish_lead_us = 250'000;
 /// A keyframe that is later than this is left out for a newer one.
 inline constexpr sea::TimeUs catch_up_us = 500'000;
 
+/// A sea that follows is made by who tells of it, on a thread that has no stream to serve (World::announce_due). If it is
+/// not there so long before it begins, the schedule makes it. Longer than two intervals of any stream and the lead.
+inline constexpr sea::TimeUs made_ahead_us = 6'000'000;
+
 /// Start of the keyframe interval that holds the time; also for times before the epoch.
 sea::TimeUs interval_start(sea::TimeUs time_us, sea::TimeUs interval_us);
 
@@ -64,6 +68,7 @@ class Schedule {
     void hurry(double hurry) {
         lead_us_ = static_cast<sea::TimeUs>(hurry * static_cast<double>(publish_lead_us));
         catch_up_us_ = static_cast<sea::TimeUs>(hurry * static_cast<double>(catch_up_us));
+        made_ahead_us_ = static_cast<sea::TimeUs>(hurry * static_cast<double>(made_ahead_us));
     }
 
     struct Due {
@@ -121,7 +126,9 @@ class Schedule {
     /// What comes next, the first that is due, and the stream as it is then.
     std::pair<Place, Stream> next(const Stream& stream, Lane lane) const;
     std::optional<Place> next_of_main(const Stream& stream) const;
-    std::optional<Place> next_of_following(const Stream& stream, Lane lane) const;
+    /// None yet where its sea would have to be made and `main` has long to go.
+    std::optional<Place> next_of_following(const Stream& stream, Lane lane,
+                                           const std::optional<Place>& main) const;
     const std::optional<Stream>& running(Lane lane) const {
         return streams_[lane.cascade][lane.rate];
     }
@@ -132,6 +139,7 @@ class Schedule {
     const SeaCourse& course_;
     sea::TimeUs lead_us_ = publish_lead_us;
     sea::TimeUs catch_up_us_ = catch_up_us;
+    sea::TimeUs made_ahead_us_ = made_ahead_us;
     /// While they run: of each cascade one a rate.
     std::vector<std::array<std::optional<Stream>, rate_rungs_hz.size()>> streams_;
 };

@@ -54,7 +54,11 @@ Simulation::Simulation(SeaCoursePtr course, std::unique_ptr<RebuiltSynthesizer> 
       events_(std::move(events)), memory_(std::move(memory)),
       source_(course_, std::move(device), *memory_, readback),
       surfaces_(course_, source_, *memory_), prices_(course_), schedule_(*course_),
-      streamed_foam_(*course_->first(), source_, schedule_),
+      streamed_foam_(*course_->first(), source_, schedule_,
+                     [this](const std::string& why) {
+                         if (events_.on_warning)
+                             events_.on_warning(why);
+                     }),
       fetch_room_(memory_->room(MemoryUse::fetches)),
       questions_(budget, memory_->room(MemoryUse::points)) {
     for (const MemoryUse use : awaited_rooms)
@@ -169,6 +173,11 @@ void Simulation::work_on_a_question(bool more) {
             wait_us = clock_.wait_us(*wait_us);
         if (wait_us)
             wait_us = std::max<TimeUs>(*wait_us, 1);
+        if (streamed_foam_.pauses()) {
+            constexpr TimeUs pause_us =
+                std::chrono::duration_cast<std::chrono::microseconds>(StreamedFoam::pause).count();
+            wait_us = std::min(wait_us.value_or(pause_us), pause_us);
+        }
         if (trims_left_ > 0 || source_.holds_keyframes()) {
             constexpr TimeUs trim_us = std::chrono::microseconds(trim_interval).count();
             wait_us = std::min(wait_us.value_or(trim_us), trim_us);

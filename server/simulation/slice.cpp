@@ -21,6 +21,10 @@ Error busy(std::string why) {
     return error;
 }
 
+Error no_memory() {
+    return busy("there is no memory for this now, try again later");
+}
+
 /// Who asked himself, on a thread that many wait for, is told by what is thrown.
 void refuse_surely(const Question& question, const Error& why) {
     if (question.askers)
@@ -41,7 +45,7 @@ bool answered(Questions& questions, Question& question, const std::function<bool
     try {
         done = slice();
     } catch (const std::bad_alloc&) {
-        refuse_surely(question, busy("there is no memory for this now, try again later"));
+        refuse_surely(question, no_memory());
     } catch (const std::system_error& error) { // a thread that could not be started
         refuse_surely(question, busy(fmt::format("the system gives no more: {}, try again later",
                                                  error.code().message())));
@@ -60,17 +64,36 @@ bool done_or_lost(Questions& questions, Question& question, const std::function<
     }
 }
 
+/// Whatever comes of it, the question is over.
+template <class Why>
+void refuse_and_end(Questions& questions, Question& question, const Why& why) {
+    try {
+        refuse_surely(question, why());
+    } catch (const std::bad_alloc&) {
+        questions.over(question);
+        throw;
+    }
+    questions.over(question);
+}
+
 } // namespace
 
 void work_on_slice(Questions& questions, Question question) {
-    const std::function<bool()> slice = question.slice;
+    std::function<bool()> slice; // goes on when the question has been put back
+    try {
+        slice = question.slice;
+    } catch (const std::bad_alloc&) {
+        return refuse_and_end(questions, question, no_memory);
+    }
     work_on_slice(questions, std::move(question), slice);
 }
 
 void work_on_slice(Questions& questions, Question question, const std::function<bool()>& slice) {
     if (question.asker.gone())
-        question.refuse({Refusal::gone, "nobody waits for the answer"});
-    else if (!done_or_lost(questions, question, slice))
+        return refuse_and_end(questions, question, [] {
+            return Error{Refusal::gone, "nobody waits for the answer"};
+        });
+    if (!done_or_lost(questions, question, slice))
         return questions.put_back(std::move(question));
     questions.over(question);
 }

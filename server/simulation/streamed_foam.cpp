@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/simulation/streamed_foam.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
 namespace seaway::server {
 
 using sea::Field;
@@ -38,13 +42,25 @@ bool StreamedFoam::starts(const Demand& demand) const {
     return false;
 }
 
+bool StreamedFoam::pauses() const {
+    return std::ranges::any_of(cascades_, &Cascade::starts);
+}
+
 bool StreamedFoam::walk(TimeUs now_us) {
+    const auto now = std::chrono::steady_clock::now();
     for (std::size_t c = 0; c < cascades_.size(); ++c) {
         Cascade& foam = cascades_[c];
-        if (!foam.starts())
+        if (!foam.starts() || now < foam.pauses_until)
             continue;
         const int cascade = static_cast<int>(c);
         const Result<bool> there = source_.walk_streamed_foam(cascade, foam.goal_us);
+        if (!there && !source_.failure()) {
+            foam.pauses_until = now + pause;
+            if (!std::exchange(foam.told, true) && warn_)
+                warn_(fmt::format("foam of cascade {} does not start yet: {}", cascade,
+                                  there.error().message));
+            continue;
+        }
         if (!there || !*there)
             return true; // the source remembers why there is no more
         if (foam.state == State::to_stream) {

@@ -203,12 +203,12 @@ SeaStatistics requested_statistics(const SeaState& sea,
 class PeakFinder {
   public:
     void add(double energy, double omega) {
-        const int bin = static_cast<int>(std::floor(std::log(omega) / bin_width)) + offset;
-        if (bin >= 0 && bin < bin_count) {
-            Bin& b = bins_[static_cast<std::size_t>(bin)];
-            b.energy += energy;
-            b.moment += energy * omega;
-        }
+        if (!(omega > 0))
+            return;
+        const double bin = std::floor(std::log(omega) / bin_width) + offset;
+        Bin& b = bins_[static_cast<std::size_t>(std::clamp(bin, 0.0, bin_count - 1.0))];
+        b.energy += energy;
+        b.moment += energy * omega;
     }
     double peak_omega_radps() const {
         int densest = 0;

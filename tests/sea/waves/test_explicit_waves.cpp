@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +14,9 @@
 #include "sea/waves/realize.h"
 #include "sea/waves/reference.h"
 #include "sea/waves/statistics/moments.h"
+#include "sea/waves/transition.h"
+#include "tests/sea/scene_of.h"
+#include "tests/sea/sea_fixture.h"
 
 namespace seaway::sea {
 namespace {
@@ -93,6 +98,65 @@ TEST(ExplicitWaves, the_peak_is_the_strongest_waves_in_whatever_order_they_are_g
         EXPECT_NEAR(summary.realised.peak_period_s, period_s(sea, 3), 1e-9) << order;
         std::rotate(modes.begin(), modes.begin() + 1, modes.end());
     }
+}
+
+// Naive: those of the new sea alone, and what old ones may add up to is taken for chance.
+TEST(ExplicitWaves, waves_given_by_hand_are_known_as_such_for_as_long_as_they_are_there) {
+    SeaState old_state = testing::windy_sea(), new_state = testing::windy_sea();
+    ExplicitModes list;
+    list.length_m = testing::three_cascades[0].length_m;
+    list.modes = {{3, -5, 0.1, 0.0}};
+    old_state.systems.push_back(list);
+    const auto old_sea = testing::realized(old_state, testing::three_cascades);
+    const auto new_sea = testing::realized(new_state, testing::three_cascades);
+    const int size = testing::three_cascades[0].size;
+    const auto mode = static_cast<std::size_t>((size - 5) * size + 3);
+    const double step = two_pi / list.length_m;
+    EXPECT_NEAR(old_sea->cascades[0].longest_radpm(),
+                std::min(std::sqrt(34.0) * step, old_sea->cascades[0].band.k_lo_radpm), 1e-12);
+    for (const bool back : {false, true}) {
+        const auto change =
+            SeaTransition::create(back ? new_sea : old_sea, back ? old_sea : new_sea, 0, 2'000'000);
+        ASSERT_TRUE(change);
+        for (const RealizationPtr& sea : {change->at(1'000'000), change->growth(1'000'000),
+                                          RealizationPtr(change->envelope())}) {
+            EXPECT_TRUE(sea->cascades[0].is_given(mode)) << back;
+            EXPECT_FALSE(sea->cascades[0].is_given(mode + 1)) << back;
+        }
+    }
+}
+
+// Naive: towards the east, whatever was asked for.
+TEST(ExplicitWaves, a_stylised_wave_longer_than_its_tile_runs_along_the_side_that_is_nearest) {
+    for (const auto& [from_deg, nx, ny] :
+         {std::tuple(270, 1, 0), std::tuple(90, -1, 0), std::tuple(180, 0, 1), std::tuple(0, 0, -1),
+          std::tuple(200, 0, 1)}) {
+        const Scene scene = testing::scene_of(
+            fmt::format("[sea]\n[[sea.system]]\ntype = \"sines\"\nshape = \"gerstner\"\nlength_m = "
+                        "256\ndata = '''\n"
+                        "wavelength_m,amplitude_m,from_deg,phase_rad\n600,1,{},0\n'''\n",
+                        from_deg));
+        const Result<Realization> sea = realize(scene);
+        ASSERT_TRUE(sea);
+        const auto tile = std::ranges::find(
+            sea->cascades, 256.0, [](const CascadeModes& modes) { return modes.spec.length_m; });
+        ASSERT_NE(tile, sea->cascades.end());
+        const int size = tile->spec.size;
+        const auto mode = static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size);
+        EXPECT_NEAR(std::abs(tile->h0[mode]), 0.5, 1e-12) << from_deg;
+    }
+}
+
+// Naive: what lies beyond the peak finder's bins is no peak, and the period that of 1 rad/s.
+TEST(ExplicitWaves, a_peak_however_slow_is_said) {
+    SeaState sea = sea_of({{1, 0, 1e-3, 0}});
+    std::get<ExplicitModes>(sea.systems[0]).length_m = 1e6;
+    sea.depth_m = 0.05;
+    const CascadeSpec wide{1e6, tile.size};
+    const SeaSummary summary = summarize(sea, *realize(sea, {&wide, 1}));
+    const double period_s = two_pi / sea.dispersion().omega(two_pi / 1e6);
+    EXPECT_GT(period_s, 1e6);
+    EXPECT_NEAR(summary.realised.peak_period_s, period_s, 1e-6 * period_s);
 }
 
 // Two waves that run against each other or across have one frequency, and together more energy than a

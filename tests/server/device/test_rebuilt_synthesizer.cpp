@@ -13,6 +13,7 @@ namespace {
 struct Yard {
     int fails = 0;            ///< so many of those that are made next
     bool refuses_sea = false; ///< the one that is there
+    bool fails_foam = false;  ///< all of them
     int made = 0;
 };
 
@@ -35,6 +36,8 @@ class OneDevice final : public Synthesizer {
     }
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override {
+        if (yard_.fails_foam && requests[0].foam != nullptr)
+            return Error{"lost in foam"};
         return std::vector<NewKeyframePtr>(requests.size());
     }
     SynthesisCounters counters() const override { return {}; }
@@ -78,6 +81,36 @@ TEST(RebuiltSynthesizer, a_device_that_a_new_sea_has_cost_is_made_anew_as_often_
     ASSERT_TRUE(made) << made.error().message;
     EXPECT_EQ(device->rebuilds(), 3u);
     EXPECT_EQ(yard.made, 2);
+}
+
+// Naive: a device is there again each time, so foam starts anew for ever, and nobody hears that it cannot be had.
+TEST(RebuiltSynthesizer, devices_that_all_fail_on_foam_end_as_any_that_fails) {
+    Yard yard;
+    const std::unique_ptr<RebuiltSynthesizer> device = started(yard);
+    const auto foam = [&] {
+        const FoamMapPtr map = device->open_foam(64, nullptr).value();
+        const FoamTurn turn{map.get(), {}, {}};
+        const KeyframeRequest request{0, 0, {sea::Field::foam}, 1, &turn};
+        return device->synthesize({&request, 1});
+    };
+    const KeyframeRequest of_height{0, 1, {sea::Field::height}};
+    for (int round = 0; round < 2; ++round) {
+        yard.fails_foam = true;
+        for (int i = 0; i < device_rebuilds_max; ++i) {
+            const auto lost = foam();
+            ASSERT_FALSE(lost);
+            EXPECT_TRUE(lost.error().is(DeviceError::foam_lost)) << i;
+            EXPECT_TRUE(device->synthesize({&of_height, 1}));
+        }
+        if (round == 0) { // foam in between: they are counted anew
+            yard.fails_foam = false;
+            EXPECT_TRUE(foam());
+        }
+    }
+    const auto last = foam();
+    ASSERT_FALSE(last);
+    EXPECT_FALSE(last.error().is(DeviceError::foam_lost));
+    EXPECT_EQ(last.error().message, "lost in foam");
 }
 
 TEST(RebuiltSynthesizer, a_device_that_cannot_be_made_at_the_start_is_an_error_at_once) {

@@ -6,7 +6,9 @@
 #include "server/device/vulkan_synthesizer.h"
 #include "server/simulation/course_synthesis.h"
 #include "server/simulation/foam_maps.h"
+#include "server/simulation/streamed_foam.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -362,6 +364,22 @@ TEST(FoamLost, in_a_server_is_walked_for_anew_for_who_asked) {
     for (std::size_t i = 0; i < after->size(); ++i)
         EXPECT_TRUE(
             std::ranges::equal((*after)[i]->plane(Field::foam), (*never)[i]->plane(Field::foam)));
+}
+
+// Naive: a core that tries again and again, and says nothing.
+TEST(FoamStarts, without_memory_wait_and_say_so_and_then_start) {
+    Bench bench(steady);
+    bench.now_us = 10 * second_us;
+    constexpr int plenty = 1'000'000;
+    bench.no_memory = plenty;
+    bench.subscriptions.set(1, {1u, {Field::foam}});
+    EXPECT_TRUE(tests::eventually([&] { return bench.warnings > 0; }));
+    std::this_thread::sleep_for(2 * StreamedFoam::pause);
+    EXPECT_LT(plenty - bench.no_memory, 40) << "a start a pause, and what is due of the stream";
+    bench.no_memory = 0;
+    const auto there = bench.fetch_current({1u, {Field::foam}});
+    ASSERT_FALSE(there.empty());
+    EXPECT_TRUE(there[0]->fields.contains(Field::foam));
 }
 
 } // namespace

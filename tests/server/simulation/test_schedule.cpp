@@ -228,6 +228,24 @@ TEST(Schedule, where_one_sea_follows_another_the_stream_has_the_keyframes_of_bot
     }
 }
 
+// Naive: what follows is looked at, and so made, at every step: each change stops the stream of those who wait for none.
+TEST(Schedule, a_sea_that_follows_is_not_made_for_the_stream_before_it_is_near) {
+    const auto course = changing_course();
+    Schedule schedule(*course);
+    const EffectPlan wanted = plan(height, height);
+    TimeUs now_us = 0;
+    for (; now_us < 3'000'000; now_us += 50'000) {
+        all_due(schedule, wanted, now_us);
+        schedule.next_due_us(wanted);
+        schedule.current({.cascades = 3u, .fields = height}, now_us);
+    }
+    EXPECT_EQ(course->sea_if_held(2), nullptr) << "the glide begins at 10 s";
+    for (; now_us < 10'000'000; now_us += 50'000)
+        all_due(schedule, wanted, now_us);
+    EXPECT_NE(course->sea_if_held(2), nullptr) << "nobody else has made it";
+    EXPECT_EQ(course->epochs(), 3u);
+}
+
 // Naive: those of the next sea begin when the last of this one is out: a burst, of which a reader loses what it cannot take.
 TEST(Schedule, each_keyframe_of_both_seas_comes_at_its_own_due_time) {
     const auto course = changing_course();

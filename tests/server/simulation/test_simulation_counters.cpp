@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the simulation counts, after a known run of questions: each counter is what happened.
+#include <fmt/format.h>
+
 #include "sea/basics/constants.h"
 #include "sea/scene/scene_warnings.h"
 #include "sea/surface/below.h"
@@ -62,6 +64,20 @@ PointsAnswered looked(Bench& bench, PointsAsked asked) {
         [&](Result<PointsAnswered> found) { answered.set_value(std::move(found).value()); },
         someone);
     return answered.get_future().get();
+}
+
+// Naive: by the band of the spectra, which waves given by hand do not keep to.
+TEST(SimulationCounters, a_wave_given_by_hand_is_felt_by_who_feels_its_length) {
+    const double length_m = Bench().sea->realization->cascades[1].spec.length_m;
+    const RunningSeaPtr sea =
+        running_sea(fmt::format("[[sea.system]]\ntype = \"modes\"\nlength_m = {}\ndata = "
+                                "'''\nnx,ny,amplitude_m,phase_rad\n1,0,2,0\n'''\n",
+                                length_m));
+    const sea::CascadeModes& tile = sea->realization->cascades[1];
+    ASSERT_LT(tile.longest_radpm(), 0.9 * tile.band.k_lo_radpm);
+    EXPECT_NEAR(tile.longest_radpm(), sea::two_pi / length_m, 1e-12);
+    EXPECT_TRUE(felt_cascades(*sea->realization, {.min_wavelength_m = 0.99 * length_m}) & 2u);
+    EXPECT_FALSE(felt_cascades(*sea->realization, {.min_wavelength_m = 1.01 * length_m}) & 2u);
 }
 
 TEST(SimulationCounters,
