@@ -82,9 +82,11 @@ TEST(PredictedStream, is_whole_once_for_who_begins_and_for_who_joins_and_both_ha
     const double predicted = metric(port, "seaway_net_keyframes_predicted_total");
     const double streamed = metric(port, "seaway_net_keyframes_sent_total");
     EXPECT_GT(predicted, 40);
-    // Three cascades of each are whole once; a machine that is busy may leave keyframes out, and each such costs one more.
+    // Three cascades of each are whole once; a machine that is busy may leave keyframes out, also for want of time to make
+    // them, and what comes after each such is whole for both.
     EXPECT_LE(streamed - predicted, 6 + 3 * metric(port, "seaway_net_keyframes_replaced_total") +
-                                        2 * metric(port, "seaway_net_keyframes_dropped_total"));
+                                        2 * metric(port, "seaway_net_keyframes_dropped_total") +
+                                        2 * metric(port, "seaway_keyframes_skipped_total"));
 }
 
 } // namespace
