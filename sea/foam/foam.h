@@ -45,7 +45,7 @@
 namespace seaway::sea {
 
 /// What a history needs of a keyframe.
-inline constexpr FieldSet foam_inputs{Field::strain_xx, Field::strain_yy, Field::strain_xy};
+inline constexpr FieldSet foam_inputs = strain_fields;
 
 /// Coverage at a point, 0 .. 1, from the mean and the sampled ratio of every cascade.
 double foam_coverage(double mean, std::span<const float> ratios);

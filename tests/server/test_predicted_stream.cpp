@@ -86,7 +86,8 @@ TEST(PredictedStream, is_whole_once_for_who_begins_and_for_who_joins_and_both_ha
     // them, and what comes after each such is whole for both.
     EXPECT_LE(streamed - predicted, 6 + 3 * metric(port, "seaway_net_keyframes_replaced_total") +
                                         2 * metric(port, "seaway_net_keyframes_dropped_total") +
-                                        2 * metric(port, "seaway_keyframes_skipped_total"));
+                                        2 * metric(port, "seaway_keyframes_skipped_total"))
+        << tests::ask_http(port, "/metrics", "GET").body;
 }
 
 } // namespace
