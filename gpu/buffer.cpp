@@ -2,6 +2,7 @@
 #include "gpu/buffer.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string>
 
@@ -40,6 +41,23 @@ MemoryWish wish(BufferKind kind, bool unified) {
     return unified ? MemoryWish{host | local, cached} : MemoryWish{0, local};
 }
 
+// Buffers are of both families, so that a run that fails on the way leaves none half handed over. What that may cost, images
+// pay: it is their layout that hardware compresses.
+Result<OwnedBuffer> create_handle(Device& device, std::size_t bytes) {
+    const std::array<std::uint32_t, 2> families{device.queue_family(), device.transfer_family()};
+    const bool shared = families[0] != families[1];
+    const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                  .size = bytes,
+                                  .usage = all_usages,
+                                  .sharingMode = shared ? VK_SHARING_MODE_CONCURRENT
+                                                        : VK_SHARING_MODE_EXCLUSIVE,
+                                  .queueFamilyIndexCount = shared ? 2u : 0u,
+                                  .pQueueFamilyIndices = families.data()};
+    VkBuffer buffer = VK_NULL_HANDLE;
+    SEAWAY_TRY(call("vkCreateBuffer", vkCreateBuffer, device.get(), &info, nullptr, &buffer));
+    return OwnedBuffer(device.get(), buffer);
+}
+
 } // namespace
 
 Result<Buffer> Buffer::create(Device& device, std::string_view name, std::size_t bytes,
@@ -54,19 +72,13 @@ Result<Buffer> Buffer::create(Device& device, std::string_view name, std::size_t
             {device.info().name + " allows " + std::to_string(device.buffer_bytes_max())});
     Buffer made;
     made.bytes_ = bytes;
-    const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                  .size = bytes,
-                                  .usage = all_usages,
-                                  .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
-    VkBuffer buffer = VK_NULL_HANDLE;
-    if (Result<void> created =
-            call("vkCreateBuffer", vkCreateBuffer, device.get(), &info, nullptr, &buffer);
-        !created)
-        return failed(created.error());
-    made.buffer_ = OwnedBuffer(device.get(), buffer);
+    Result<OwnedBuffer> handle = create_handle(device, bytes);
+    if (!handle)
+        return failed(handle.error());
+    made.buffer_ = std::move(*handle);
 
     VkMemoryRequirements needs;
-    vkGetBufferMemoryRequirements(device.get(), buffer, &needs);
+    vkGetBufferMemoryRequirements(device.get(), made.buffer_.get(), &needs);
     const MemoryWish memory_wish = wish(kind, device.unified_memory());
     const int type =
         device.memory_type(needs.memoryTypeBits, memory_wish.required, memory_wish.preferred);
@@ -81,8 +93,8 @@ Result<Buffer> Buffer::create(Device& device, std::string_view name, std::size_t
         !allocated)
         return failed(allocated.error());
     made.memory_ = OwnedMemory(device.get(), memory);
-    if (Result<void> bound = call("vkBindBufferMemory", vkBindBufferMemory, device.get(), buffer,
-                                  memory, VkDeviceSize{0});
+    if (Result<void> bound = call("vkBindBufferMemory", vkBindBufferMemory, device.get(),
+                                  made.buffer_.get(), memory, VkDeviceSize{0});
         !bound)
         return failed(bound.error());
     if (!(memory_wish.required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT))

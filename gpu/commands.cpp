@@ -33,42 +33,17 @@ Scope scope(Stage stage) {
             VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 }
 
-/// Of a whole buffer that goes from one family of queues to another: a side that says nothing has no scope.
-VkBufferMemoryBarrier2 handover(VkBuffer buffer, const Scope& source, const Scope& target,
-                                std::uint32_t from_family, std::uint32_t to_family) {
-    return {.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
-            .srcStageMask = source.stage,
-            .srcAccessMask = source.access,
-            .dstStageMask = target.stage,
-            .dstAccessMask = target.access,
-            .srcQueueFamilyIndex = from_family,
-            .dstQueueFamilyIndex = to_family,
-            .buffer = buffer,
-            .size = VK_WHOLE_SIZE};
-}
-
 } // namespace
-
-VkBufferMemoryBarrier2 release_barrier(VkBuffer buffer, Stage written_by, std::uint32_t from_family,
-                                       std::uint32_t to_family) {
-    return handover(buffer, scope(written_by), {}, from_family, to_family);
-}
-
-VkBufferMemoryBarrier2 acquire_barrier(VkBuffer buffer, Stage read_by, std::uint32_t from_family,
-                                       std::uint32_t to_family) {
-    return handover(buffer, {}, scope(read_by), from_family, to_family);
-}
 
 Result<Commands> Commands::create(Device& device, Queue queue) {
     Commands made;
     made.device_ = device.get();
-    made.main_family_ = device.queue_family();
-    made.transfer_family_ = device.transfer_family();
     made.groups_max_ = std::to_array(device.limits().maxComputeWorkGroupCount);
     const VkCommandPoolCreateInfo pool_info{
         .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
         .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-        .queueFamilyIndex = queue == Queue::main ? made.main_family_ : made.transfer_family_};
+        .queueFamilyIndex =
+            queue == Queue::main ? device.queue_family() : device.transfer_family()};
     VkCommandPool pool = VK_NULL_HANDLE;
     SEAWAY_TRY(
         call("vkCreateCommandPool", vkCreateCommandPool, device.get(), &pool_info, nullptr, &pool));
@@ -117,23 +92,6 @@ void Commands::copy(const Buffer& source, const Buffer& target, std::size_t byte
                     std::size_t source_offset, std::size_t target_offset) {
     const VkBufferCopy region{source_offset, target_offset, bytes};
     vkCmdCopyBuffer(buffer_, source.get(), target.get(), 1, &region);
-}
-
-void Commands::barrier(const VkBufferMemoryBarrier2& buffer) {
-    const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                .bufferMemoryBarrierCount = 1,
-                                .pBufferMemoryBarriers = &buffer};
-    vkCmdPipelineBarrier2(buffer_, &info);
-}
-
-void Commands::release_to_transfer(const Buffer& buffer, Stage written_by) {
-    if (main_family_ != transfer_family_)
-        barrier(release_barrier(buffer.get(), written_by, main_family_, transfer_family_));
-}
-
-void Commands::acquire_for_transfer(const Buffer& buffer) {
-    if (main_family_ != transfer_family_)
-        barrier(acquire_barrier(buffer.get(), Stage::copy, main_family_, transfer_family_));
 }
 
 void Commands::fill(const Buffer& target, std::uint32_t word, std::size_t bytes,

@@ -22,14 +22,6 @@ enum class Stage { compute, copy, host, graphics };
 /// Which of a device's queues a recording is for.
 enum class Queue { main, transfer };
 
-/// A buffer belongs to one family of queues at a time: who has written it releases it, and the other side acquires it,
-/// the same barrier twice, before it reads. Later the first side may write it anew without asking for it back, once the
-/// reading is over: what it held is of no use any more.
-VkBufferMemoryBarrier2 release_barrier(VkBuffer buffer, Stage written_by, std::uint32_t from_family,
-                                       std::uint32_t to_family);
-VkBufferMemoryBarrier2 acquire_barrier(VkBuffer buffer, Stage read_by, std::uint32_t from_family,
-                                       std::uint32_t to_family);
-
 /// Groups a row and rows for so many invocations: no more a row than every device takes (Vulkan 1.3, Required Limits:
 /// maxComputeWorkGroupCount is at least 65535), and fewer than one row too many.
 struct FlatGroups {
@@ -49,10 +41,6 @@ class Commands {
 
     /// All writes of `from` are seen by `to`.
     void barrier(Stage from, Stage to);
-    /// What the main queue's recording does last, and the transfer queue's first, where a buffer goes from one to the other
-    /// (submit_transfer() is the rest of what it takes). Where both are of one family there is nothing to do.
-    void release_to_transfer(const Buffer& buffer, Stage written_by);
-    void acquire_for_transfer(const Buffer& buffer);
     void copy(const Buffer& source, const Buffer& target, std::size_t bytes,
               std::size_t source_offset = 0, std::size_t target_offset = 0);
     /// Writes one word over and over; both a multiple of 4 bytes.
@@ -74,12 +62,9 @@ class Commands {
     VkCommandBuffer get() const { return buffer_; }
 
   private:
-    void barrier(const VkBufferMemoryBarrier2& buffer);
-
     OwnedCommandPool pool_;
     VkDevice device_ = VK_NULL_HANDLE;
     VkCommandBuffer buffer_ = VK_NULL_HANDLE; // owned by the pool
-    std::uint32_t main_family_ = 0, transfer_family_ = 0;
     std::array<std::uint32_t, 3> groups_max_{};
     bool recording_ = false;
 };

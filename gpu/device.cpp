@@ -48,6 +48,8 @@ Result<void> Device::pick(const std::string& wish) {
         return index.error();
     physical_ = (*physical)[static_cast<std::size_t>(*index)];
     info_ = infos[static_cast<std::size_t>(*index)];
+    if (!info_.is_cpu()) // Mesa's for processors comes and goes at ease, with all of LLVM
+        Instance::keep_drivers();
     queue_family_ = static_cast<std::uint32_t>(pick_queue_family(physical_));
     const std::vector<VkQueueFamilyProperties> families = queue_families(physical_);
     transfer_family_ = pick_transfer_family(families).value_or(queue_family_);

@@ -110,6 +110,17 @@ Result<std::vector<VkPhysicalDevice>> Instance::physical_devices() const {
     return devices;
 }
 
+void Instance::keep_drivers() {
+    static const VkInstance kept = [] {
+        const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+        VkInstance instance = VK_NULL_HANDLE;
+        // Without it drivers come and go as before.
+        return vkCreateInstance(&info, nullptr, &instance) == VK_SUCCESS ? instance
+                                                                         : VK_NULL_HANDLE;
+    }();
+    (void)kept;
+}
+
 std::size_t Instance::all_validation_messages() {
     return messages_of_all;
 }

@@ -28,6 +28,10 @@ class Instance {
     VkInstance get() const { return instance_; }
     Result<std::vector<VkPhysicalDevice>> physical_devices() const;
 
+    /// Keeps drivers loaded for as long as the process runs, once and for all. One that goes with its last instance may not
+    /// come again for ever: NVIDIA's (580) is found no more after some tens of times.
+    static void keep_drivers();
+
     /// Warnings and errors of the validation layer so far: how many, and the first 16 of them.
     std::size_t validation_message_count() const { return message_count_; }
     std::vector<std::string> validation_messages() const;

@@ -18,6 +18,9 @@ lane l holds k1 = M / S l + g of all lanes; DFT_S over them to points k1 + M k2.
 Design W does each in two passes. N = A B: mode n = B n1 + n2 goes to point k = k1 + A k2; DFT_A
 over n1, twiddle w_N^(n2 k1), through memory, DFT_B over n2.
 
+Design G does each in one pass, too. A line is the work of some threads of a workgroup, which exchange what they need
+by the memory that they share: design_g.py.
+
 Each comes in two versions: for any modes, and for seas without modes at |nx| or |ny| >= 0.3 N (all
 that are made from spectra: sea::band_end_share_of_nyquist), which skips what is known to be zero.
 
@@ -31,23 +34,26 @@ import sys
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tools"))
+import design_g  # noqa: E402
 import design_t  # noqa: E402
 import design_w  # noqa: E402
 from kernel_text import WORKGROUP  # noqa: E402
 
 
 def transforms():
-    """All of them: (size, lanes or 0, band, scratch of a field in complex numbers, passes), a pass
-    being (kernel name, kind, GLSL, invocations for one job, source or field, vec4 a row). The best of a size
-    come first."""
+    """All of them: (size, design, lanes or 0, band, scratch of a field in complex numbers, passes), a pass
+    being (kernel name, kind, GLSL, invocations for one job, source or field, vec4 a row)."""
     made = []
     for band in (True, False):
         for n, first, last in design_t.PLANS:
             passes, scratch = design_t.passes(n, first, last, band)
-            made.append((n, max(first, last), band, scratch, passes))
+            made.append((n, f"T{max(first, last)}", max(first, last), band, scratch, passes))
         for n in design_w.PLANS:
             passes, scratch = design_w.passes(n, band)
-            made.append((n, 0, band, scratch, passes))
+            made.append((n, "W", 0, band, scratch, passes))
+        for n in design_g.PLANS:
+            passes, scratch = design_g.passes(n, band)
+            made.append((n, "G", 0, band, scratch, passes))
     return made
 
 
@@ -69,8 +75,7 @@ def embed(out, modules):
         lines = [",".join(words[i:i + 12]) for i in range(0, len(words), 12)]
         text.append(f"constexpr std::uint32_t {name}_words[] = {{\n" + ",\n".join(lines) + "};\n")
     rows = []
-    for n, lanes, band, scratch, passes in transforms():
-        design = f"T{lanes}" if lanes else "W"
+    for n, design, lanes, band, scratch, passes in transforms():
         list_name = f"{design.lower()}_{n}{'_band' if band else ''}_passes"
         listed = []
         for name, kind, _, invocations, row in passes:
@@ -78,7 +83,8 @@ def embed(out, modules):
             listed.append(f'{{{{"{name}", {name}_words}}, PassKind::{kind}, '
                           f'{invocations // WORKGROUP}, {row}}}')
         text.append(f"constexpr Pass {list_name}[] = {{" + ", ".join(listed) + "};\n")
-        rows.append(f'    {{{n}, "{design}", {lanes}, {str(band).lower()}, {scratch}, '
+        transposed, shared = str(design != "W").lower(), str(design == "G").lower()
+        rows.append(f'    {{{n}, "{design}", {lanes}, {transposed}, {shared}, {str(band).lower()}, {scratch}, '
                     f'{list_name}}},\n')
     text += ["constexpr Transform transforms[] = {\n", *rows, "};\n\n} // namespace\n\n"
              "std::span<const Transform> synthesis_transforms() {\n    return transforms;\n}\n\n"

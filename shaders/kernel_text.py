@@ -108,12 +108,15 @@ def line_modes(blocks, count, block, start, step):
     return "".join(text)
 
 
+def source_modes(blocks):
+    """GLSL: z<i>, the modes of the source of `row`."""
+    return "".join(f"        vec2 z{i} = source_mode(row, h{i}, k{i}, over_k{i});\n" for i in blocks)
+
+
 def each_source(blocks):
     """GLSL: opens the loop over sources; z<i> are the modes of one."""
     return ("    for (uint index = 0u; index < push.sources; ++index) {\n"
-            "        Source row = source_row(index);\n" +
-            "".join(f"        vec2 z{i} = source_mode(row, h{i}, k{i}, over_k{i});\n"
-                    for i in blocks))
+            "        Source row = source_row(index);\n" + source_modes(blocks))
 
 
 # Of a pass that turns the lines of a source into those of its fields.

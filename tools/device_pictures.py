@@ -31,16 +31,17 @@ def times(axis, devices):
         axis.plot(SIZES, [device.value("maps", n, "eight", "device_ms") for n in SIZES], "o-", color=colour,
                   label=device.name)
         axis.plot(SIZES, [device.value("fftw", n, "eight", "wall_ms") for n in SIZES], ":", marker="s", color=colour,
-                  alpha=0.6, label=f"FFTW, transforms alone,\nin the run of {device.name}")
+                  alpha=0.6)
+    axis.plot([], [], "k:", marker="s", alpha=0.6, label="FFTW, transforms alone, in the same run")
     axis.plot(SIZES, [TILES * VKFFT_MS[n] for n in SIZES], "^--", color=COLOURS[4],
-              label="VkFFT, published: lavapipe,\nanother machine, three times one tile")
+              label="VkFFT, published: lavapipe, another machine,\nthree times one tile")
     axis.set_xscale("log", base=2)
     axis.set_yscale("log")
     axis.set_xticks(SIZES, [str(n) for n in SIZES])
     axis.set_xlabel("points a side")
     axis.set_title("eight maps of three tiles, ms", fontsize=10)
     low, high = axis.get_ylim()
-    axis.set_ylim(low, 12 * high)  # for the legend
+    axis.set_ylim(low, 50 * high)  # for the legend
     axis.legend(fontsize=7, loc="upper left")
 
 
@@ -52,15 +53,15 @@ def shares(axis, devices):
             place += 1
         value = device.value("maps", n, "eight", column)
         axis.bar(place, value, 0.8, color=COLOURS[devices.index(device)],
-                 label=device.name if number in (0, len(SIZES)) else None)
+                 label=device.name if column == "memory_pct" and n == SIZES[0] else None)
         axis.annotate(f"{value:.0f}", (place, value), xytext=(0, 2), textcoords="offset points", ha="center",
                       fontsize=7)
         labels.append((place, str(n)))
         place += 1
-    axis.set_xticks([p for p, _ in labels], [t for _, t in labels], fontsize=7)
+    axis.set_xticks([p for p, _ in labels], [t for _, t in labels], fontsize=7, rotation=90)
     half = len(devices) * (len(SIZES) + 1)
     for middle, text in ((half / 2 - 1, "of memory"), (half * 1.5 - 1, "of arithmetic")):
-        axis.annotate(text, (middle, -0.11), xycoords=("data", "axes fraction"), ha="center", fontsize=9)
+        axis.annotate(text, (middle, -0.16), xycoords=("data", "axes fraction"), ha="center", fontsize=9)
     axis.grid(axis="x", visible=False)
     axis.set_title("eight maps, % of what is there at best", fontsize=10)
     axis.legend(fontsize=8)
@@ -69,12 +70,13 @@ def shares(axis, devices):
 def beside(axis, devices, size):
     rows = [("maps", "all", "device_ms", "all maps"), ("foam", "a tick", "device_ms", "a tick of foam"),
             ("readback", "floats", "wall_ms", "readback, floats"), ("readback", "16 bits", "wall_ms", "readback, 16 bits")]
+    width = 0.8 / len(devices)
     for i, (device, colour) in enumerate(zip(devices, COLOURS)):
         values = [device.value(what, size, fields, column) for what, fields, column, _ in rows]
-        places = [len(rows) - 1 - row + 0.2 - 0.4 * i for row in range(len(rows))]
-        axis.barh(places, [v or 0 for v in values], 0.36, color=colour, label=device.name)
+        places = [len(rows) - 1 - row + 0.4 - width * (i + 0.5) for row in range(len(rows))]
+        axis.barh(places, [v or 0 for v in values], 0.9 * width, color=colour, label=device.name)
         for place, value in zip(places, values):
-            axis.annotate("none" if value is None else f"{value:.2f}", (value or 0, place), xytext=(3, 0),
+            axis.annotate("none" if value is None else f"{value:.2g}", (value or 0, place), xytext=(3, 0),
                           textcoords="offset points", va="center", fontsize=7)
     axis.set_yticks(range(len(rows)), [label for *_, label in reversed(rows)])
     axis.grid(axis="y", visible=False)

@@ -14,12 +14,10 @@ namespace seaway::server {
 using gpu::Buffer;
 using gpu::Stage;
 
-namespace {} // namespace
-
 int VulkanBatch::max_jobs(int maps) const {
     if (maps > capacity_maps_)
         return 0;
-    if (kernels_.size() > largest_batched_size || maps == 0)
+    if (!batches(device_, kernels_.size()) || maps == 0)
         return 1;
     return std::clamp(capacity_maps_ / maps, 1, most_jobs);
 }
@@ -73,18 +71,21 @@ Result<void> VulkanBatch::record(Slot& slot, std::span<const Job> jobs, const Pa
     record_passes(slot, target, packing, after, passes, push, count);
     if (first_held)
         slot.commands.barrier(Stage::compute, Stage::host); // they stay where they are
-    else if (&slot != &own_)
-        slot.commands.release_to_transfer(slot.asked > 0 ? slot.rounded : slot.maps,
-                                          Stage::compute);
-    else if (slot.asked > 0) {
+    else if (&slot == &own_) // of the ring's the transfer queue does it
+        record_readback(slot, target, packing, passes);
+    return slot.commands.end();
+}
+
+void VulkanBatch::record_readback(Slot& slot, const Target& target, const Packing& packing,
+                                  std::size_t passes) {
+    if (slot.asked > 0) {
         slot.commands.barrier(Stage::compute, Stage::copy);
         copy_out(slot, slot.commands);
     } else if (passes == 0 || passes == kernels_.passes.size())
-        read_back(slot, *target.maps, map_bytes() * jobs.size() * push.maps);
+        read_back(slot, *target.maps, slot.bytes);
     else
         read_back(slot, scratch_[(passes - 1) % 2],
                   pass_floats(passes - 1, packing) * sizeof(float));
-    return slot.commands.end();
 }
 
 void VulkanBatch::record_passes(Slot& slot, const Target& target, const Packing& packing,
@@ -114,7 +115,7 @@ void VulkanBatch::record_passes(Slot& slot, const Target& target, const Packing&
 }
 
 void VulkanBatch::record_foam(Slot& slot, const Target& target, const FoamWork& foam) {
-    constexpr std::size_t a_group = 4 * shaders::foam_quads * shaders::synthesis_workgroup;
+    const std::size_t a_group = std::size_t{4} * kernels_.foam_quads * shaders::synthesis_workgroup;
     const auto groups = static_cast<std::uint32_t>(points() / a_group);
     shaders::FoamPush push{0};
     for (const std::uint32_t count : foam.rounds) {
@@ -123,16 +124,6 @@ void VulkanBatch::record_foam(Slot& slot, const Target& target, const FoamWork& 
                                groups, 1, count);
         push.first_step += count;
     }
-    if (!foam.copies.empty())
-        slot.commands.barrier(Stage::compute, Stage::copy);
-    for (const FoamWork::Copy& copy : foam.copies)
-        slot.commands.copy(*foam.histories, *target.maps, map_bytes(), copy.history * vec4_bytes,
-                           copy.shown * vec4_bytes);
-    if (!foam.copies.empty()) { // whoever reads maps, in place or by a copy
-        slot.commands.barrier(Stage::copy, Stage::host);
-        slot.commands.barrier(Stage::copy, Stage::copy);
-        slot.commands.barrier(Stage::copy, Stage::compute); // of what follows
-    }
 }
 
 // Groups go last: drivers that cut a dispatch in halves then cut each source and field in halves.
@@ -140,10 +131,10 @@ void VulkanBatch::dispatch(Slot& slot, const SynthesisKernels::Pass& pass,
                            const gpu::Bindings& bindings, const shaders::SynthesisPush& push,
                            std::uint32_t jobs) {
     std::uint32_t parts = 1;
-    if (pass.kind == shaders::PassKind::lines_y || pass.kind == shaders::PassKind::fields)
-        parts = push.sources;
     if (pass.kind == shaders::PassKind::lines_x)
         parts = push.fields;
+    else if (pass.kind != shaders::PassKind::evolve)
+        parts = push.sources;
     slot.commands.dispatch(pass.kernel, bindings, std::as_bytes(std::span(&push, 1)), parts, jobs,
                            pass.groups);
 }

@@ -123,9 +123,11 @@ class VulkanBatch {
     std::span<const double> pass_seconds() const { return pass_seconds_; }
 
   private:
-    /// Above this size one keyframe at a time is faster: its scratch stays in the cache
-    /// (docs/performance.md).
-    static constexpr int largest_batched_size = 256;
+    /// Whether several keyframes of one size share their dispatches. On a processor one at a time is faster where the
+    /// scratch of one just fits the cache; a GPU needs them all to have enough to do (docs/performance.md).
+    static bool batches(const gpu::Device& device, int size) {
+        return size <= (device.info().is_cpu() ? 256 : 1024);
+    }
     static constexpr int most_jobs = 64;
 
     VulkanBatch(gpu::Device& device, const SynthesisKernels& kernels)
@@ -190,6 +192,9 @@ class VulkanBatch {
                         std::optional<std::size_t> first_held);
     void record_passes(Slot& slot, const Target& target, const Packing& packing, const After& after,
                        std::size_t passes, const shaders::SynthesisPush& push, std::uint32_t jobs);
+    /// What a run of its own leaves, all or some of its passes.
+    void record_readback(Slot& slot, const Target& target, const Packing& packing,
+                         std::size_t passes);
     void stamp(Slot& slot);
     Result<void> read_timer(Slot& slot, double wall_seconds);
     void write(Slot& slot, gpu::Buffer& buffer, std::span<const std::byte> bytes);

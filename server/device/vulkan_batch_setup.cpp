@@ -57,7 +57,7 @@ Result<std::unique_ptr<VulkanBatch>> VulkanBatch::create(gpu::Device& device,
                                                          const VulkanMaps* held) {
     std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
     const int wished =
-        kernels.size() <= VulkanBatch::largest_batched_size ? most_maps * cascade_count : most_maps;
+        VulkanBatch::batches(device, kernels.size()) ? most_maps * cascade_count : most_maps;
     made->capacity_maps_ = static_cast<int>(std::min<std::size_t>(
         static_cast<std::size_t>(wished), maps_that_fit(device, *kernels.transform)));
     if (held != nullptr) {
@@ -149,6 +149,7 @@ std::vector<gpu::Resource> VulkanBatch::resources(std::size_t pass, const gpu::B
     const gpu::Resource target = gpu::whole(to);
     switch (kernels_.passes[pass].kind) {
     case shaders::PassKind::evolve:
+    case shaders::PassKind::evolve_source:
         return {gpu::texels(modes_view_), gpu::texels(rates_view_),  gpu::texels(jobs_view_),
                 gpu::texels(rows_view_),  gpu::texels(orbits_view_), target};
     case shaders::PassKind::fields:
@@ -217,7 +218,7 @@ Result<void> VulkanBatch::upload(std::span<const sea::CascadeModes* const> casca
         SEAWAY_CHECK(cascade->h0.size() == points() && cascade->rate.size() == points(),
                      "a cascade of another size");
         for (std::size_t i = 0; i < points(); ++i) {
-            const bool transposed = kernels_.transform->lanes != 0;
+            const bool transposed = kernels_.transform->transposed;
             const std::size_t y = transposed ? i % n : i / n, x = transposed ? i / n : i % n;
             const std::complex<double> here = cascade->h0[y * n + x];
             const std::complex<double> mirror = cascade->h0[(n - y) % n * n + (n - x) % n];

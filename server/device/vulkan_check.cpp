@@ -136,10 +136,10 @@ Result<void> run_derived(gpu::Device& device, const SynthesisKernels& kernels, V
     const Packing packing = pack(sea::strain_fields, asked);
     VulkanFoam histories(device, kernels.size());
     SEAWAY_TRY_LET(const FoamMapPtr history, histories.open(nullptr));
-    FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}, {}};
-    foam.steps[0].flags |= shaders::foam_keeps;
+    FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}};
+    foam.steps[0].flags |= shaders::foam_keeps | shaders::foam_shows;
     foam.steps[0].history = histories.place(*history);
-    foam.copies.push_back({foam.steps[0].history, batch.place(packing, 0, sea::Field::foam)});
+    foam.steps[0].shown = batch.place(packing, 0, sea::Field::foam);
     foam.steps[0].strain_xx = batch.place(packing, 0, sea::Field::strain_xx);
     foam.steps[0].strain_yy = batch.place(packing, 0, sea::Field::strain_yy);
     foam.steps[0].strain_xy = batch.place(packing, 0, sea::Field::strain_xy);

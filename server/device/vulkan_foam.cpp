@@ -165,21 +165,18 @@ FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest>
                 step.strain_xy = place(job, sea::Field::strain_xy);
             }
             step.history = histories->place(*map);
-            step.shown = flags == 0 ? place(job, sea::Field::foam) : 0;
+            step.shown = flags & shaders::foam_shows ? place(job, sea::Field::foam) : 0;
             step.departure = shown.departure;
             const std::size_t round = taken[map]++;
             rounds.resize(std::max(rounds.size(), round + 1));
             rounds[round].push_back(step);
         };
-        if (kept)
-            add(*kept, shaders::foam_keeps);
         const bool shows = request.fields.contains(sea::Field::foam);
-        // A later turn of the map would be there before a copy.
-        if (shows && shown.is_state() &&
-            !has_turn_of(indices.subspan(job + 1), requests, request.foam))
-            work.copies.push_back({histories->place(*map), place(job, sea::Field::foam)});
-        else if (shows)
-            add(shown.tick, 0);
+        const bool at_once = kept && shows && shown.is_state(); // what is kept is what is shown
+        if (kept)
+            add(*kept, shaders::foam_keeps | (at_once ? shaders::foam_shows : 0u));
+        if (shows && !at_once)
+            add(shown.tick, shaders::foam_shows);
         ticks += kept.has_value() + (shows && shown.tick.looks());
     }
     for (const std::vector<shaders::FoamStep>& round : rounds) {

@@ -56,12 +56,8 @@ struct FoamWork {
     std::vector<shaders::FoamStep> steps;
     std::vector<std::uint32_t>
         rounds; ///< how many steps each dispatch takes: no two of one history
-    struct Copy {
-        std::uint32_t history, shown; ///< places: a map that is the history itself
-    };
-    std::vector<Copy> copies; ///< after the last round
 
-    bool empty() const { return steps.empty() && copies.empty(); }
+    bool empty() const { return steps.empty(); }
 };
 
 /// Whether one of these requests has a turn of the same map.

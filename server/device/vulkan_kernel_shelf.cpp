@@ -42,7 +42,9 @@ std::string KernelShelf::description() const {
 KernelShelf::Designs KernelShelf::fitting(int size, bool band_limited, bool to_be_tried) const {
     Designs designs = fitting_transforms(device_.info(), size, band_limited, to_be_tried);
     if (any_device_)
-        std::erase_if(designs, [](const shaders::Transform* design) { return design->lanes != 0; });
+        std::erase_if(designs, [](const shaders::Transform* design) {
+            return design->lanes != 0 || design->shares_memory;
+        });
     return designs;
 }
 

@@ -19,6 +19,7 @@ gpu::KernelExpectation expectation(shaders::PassKind kind) {
                                     .local_size = {shaders::synthesis_workgroup, 1, 1}};
     switch (kind) {
     case shaders::PassKind::evolve:
+    case shaders::PassKind::evolve_source:
         expected.bindings = {{"modes", texel_buffer},
                              {"rates", texel_buffer},
                              {"jobs", texel_buffer},
@@ -63,8 +64,9 @@ gpu::KernelExpectation round_pass() {
 }
 
 Result<void> make(gpu::Kernel& place, gpu::Device& device, const shaders::Shader& shader,
-                  const gpu::KernelExpectation& expected) {
-    SEAWAY_TRY_LET(place, gpu::Kernel::create(device, shader.name, shader.spirv, expected));
+                  const gpu::KernelExpectation& expected, const gpu::KernelOptions& options = {}) {
+    SEAWAY_TRY_LET(place,
+                   gpu::Kernel::create(device, shader.name, shader.spirv, expected, options));
     return {};
 }
 
@@ -83,7 +85,10 @@ Result<SynthesisKernels> SynthesisKernels::create(gpu::Device& device,
         made.passes.push_back({std::move(*kernel), pass.kind, pass.groups, pass.row_texels});
     }
     SEAWAY_TRY(make(made.jacobian, device, shaders::jacobian(), jacobian_pass()));
-    SEAWAY_TRY(make(made.foam, device, shaders::foam(), foam_pass()));
+    made.foam_quads =
+        device.info().is_cpu() ? shaders::foam_quads_on_cpu : shaders::foam_quads_on_gpu;
+    SEAWAY_TRY(
+        make(made.foam, device, shaders::foam(), foam_pass(), {.constants = {made.foam_quads}}));
     SEAWAY_TRY(make(made.round, device, shaders::round(), round_pass()));
     return made;
 }
@@ -92,7 +97,7 @@ std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo&
                                                           bool band_limited, bool to_be_tried) {
     // Modes a lane of which a GPU has registers; CPUs have caches.
     constexpr int most_modes_on_gpu = 32;
-    std::vector<const shaders::Transform*> fitting;
+    std::vector<const shaders::Transform*> fitting, shared;
     for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
         const auto lanes = static_cast<int>(transform.lanes);
         const bool runs =
@@ -100,8 +105,12 @@ std::vector<const shaders::Transform*> fitting_transforms(const gpu::DeviceInfo&
                            device.subgroup_size_max <= shaders::synthesis_workgroup &&
                            (device.is_cpu() || to_be_tried || size / lanes <= most_modes_on_gpu));
         if (transform.size == size && transform.band_limited == band_limited && runs)
-            fitting.push_back(&transform);
+            (transform.shares_memory ? shared : fitting).push_back(&transform);
     }
+    if (!device.is_cpu())
+        fitting.insert(fitting.begin(), shared.begin(), shared.end());
+    else if (to_be_tried)
+        fitting.insert(fitting.end(), shared.begin(), shared.end());
     return fitting;
 }
 

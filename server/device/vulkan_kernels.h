@@ -23,6 +23,7 @@ struct SynthesisKernels {
     std::vector<Pass> passes;
     gpu::Kernel jacobian;
     gpu::Kernel foam;
+    std::uint32_t foam_quads = 0; ///< of its invocations
     gpu::Kernel round;
 
     int size() const { return transform->size; }

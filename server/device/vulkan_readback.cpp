@@ -23,7 +23,23 @@ Result<void> VulkanReadbacks::collect() {
     return {};
 }
 
-sea::FieldSet VulkanReadbacks::take_steps(const Pending& pending, int job) {
+/// A map that travelled as steps.
+struct VulkanReadbacks::Travelled {
+    std::span<const std::int16_t> from;
+    float step;
+    std::span<std::int16_t> steps;
+    std::span<float> values;
+
+    void take() const {
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            steps[i] = from[i];
+            values[i] = static_cast<float>(from[i]) * step;
+        }
+    }
+};
+
+sea::FieldSet VulkanReadbacks::sort_maps(const Pending& pending, int job,
+                                         std::vector<Travelled>& travelled) {
     sea::Keyframe& keyframe = *pending.keyframes[static_cast<std::size_t>(job)];
     sea::FieldSet too_large;
     for (sea::RoundedMap& map : keyframe.rounded) {
@@ -33,25 +49,34 @@ sea::FieldSet VulkanReadbacks::take_steps(const Pending& pending, int job) {
             ++counters_.maps_too_large[static_cast<std::size_t>(map.field)];
             continue;
         }
-        const std::span<const std::int16_t> steps = pending.batch->steps(pending.run, job, place);
-        map.steps.assign(steps.begin(), steps.end());
-        std::ranges::transform(
-            map.steps, keyframe.plane(map.field).begin(),
-            [step = map.step](std::int16_t n) { return static_cast<float>(n) * step; });
-        ++counters_.maps_rounded;
+        map.steps.resize(keyframe.plane_size());
     }
     std::erase_if(keyframe.rounded, [&](const auto& map) { return too_large.contains(map.field); });
+    for (sea::RoundedMap& map : keyframe.rounded) {
+        const int place = pending.packing.map_of(map.field);
+        travelled.push_back({pending.batch->steps(pending.run, job, place), map.step, map.steps,
+                             keyframe.plane(map.field)});
+    }
     return too_large;
 }
 
 Result<void> VulkanReadbacks::take_rounded(const Pending& pending) {
     std::vector<VulkanBatch::MapOf> again;
     std::vector<std::span<float>> planes;
+    std::vector<Travelled> travelled;
     for (int job = 0; job < static_cast<int>(pending.keyframes.size()); ++job)
-        for (const sea::Field field : take_steps(pending, job)) {
+        for (const sea::Field field : sort_maps(pending, job, travelled)) {
             again.push_back({job, pending.packing.map_of(field)});
             planes.push_back(pending.keyframes[static_cast<std::size_t>(job)]->plane(field));
         }
+    const Phase take{
+        [](const void* all, int index, int) {
+            (*static_cast<const std::vector<Travelled>*>(all))[static_cast<std::size_t>(index)]
+                .take();
+        },
+        &travelled, static_cast<int>(travelled.size())};
+    copiers_.run({&take, 1});
+    counters_.maps_rounded += travelled.size();
     if (again.empty())
         return {};
     SEAWAY_TRY(pending.batch->read_exactly(pending.run, again));
@@ -61,7 +86,7 @@ Result<void> VulkanReadbacks::take_rounded(const Pending& pending) {
     return {};
 }
 
-// Copying is bound by memory: a second thread makes it a third faster.
+// Copying is bound by memory: a second thread makes it a third faster on two cores.
 void VulkanReadbacks::copy_maps(const Pending& pending) {
     struct Map {
         const Pending& from;

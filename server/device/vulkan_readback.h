@@ -3,9 +3,11 @@
 // the order in which their runs were started; some runs may be under way at a time. For one thread.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <memory>
 #include <span>
+#include <thread>
 #include <vector>
 
 #include "base/result.h"
@@ -43,14 +45,17 @@ class VulkanReadbacks {
     const SynthesisCounters& counters() const { return counters_; }
 
   private:
-    /// Of fields that 16 bits are too few for there is nothing yet, and no row.
-    sea::FieldSet take_steps(const Pending& pending, int job);
+    struct Travelled;
+    /// Those that fit 16 bits have room for their steps and are listed; the others are left, and have no row.
+    sea::FieldSet sort_maps(const Pending& pending, int job, std::vector<Travelled>& travelled);
     Result<void> take_rounded(const Pending& pending);
     void copy_maps(const Pending& pending);
 
     const std::shared_ptr<SpareBuffers> spare_;
     std::deque<Pending> pending_; ///< oldest first
-    ThreadPool copiers_{2};
+    /// A quarter of a large machine's: the rest is for who takes keyframes apart.
+    ThreadPool copiers_{
+        std::clamp(static_cast<int>(std::thread::hardware_concurrency()) / 4, 2, 4)};
     SynthesisCounters counters_;
 };
 

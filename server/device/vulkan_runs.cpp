@@ -73,7 +73,6 @@ Result<VulkanBatch::RunId> VulkanBatch::start(std::span<const Job> jobs, const P
 
 Result<void> VulkanBatch::record_copying(Slot& slot) {
     SEAWAY_TRY(slot.copying.begin());
-    slot.copying.acquire_for_transfer(slot.asked > 0 ? slot.rounded : slot.maps);
     copy_out(slot, slot.copying);
     return slot.copying.end();
 }

@@ -6,6 +6,7 @@
 #include "shared/synthesis.h"
 
 layout(local_size_x = synthesis_workgroup) in;
+layout(constant_id = 0) const uint quads = foam_quads_on_cpu; // of an invocation
 layout(binding = 0) uniform samplerBuffer maps;   // strains among them, [y][x / 4] each
 layout(binding = 1) uniform usamplerBuffer steps;
 layout(binding = 2) uniform samplerBuffer before;  // the histories
@@ -83,8 +84,8 @@ vec4 flushed(vec4 ratio) {
 void main() {
     FoamStep s = step_of(push.first_step + gl_WorkGroupID.z);
     uint first =
-        gl_WorkGroupID.x * (synthesis_workgroup * foam_quads) + gl_LocalInvocationID.x;
-    for (uint i = 0u; i < foam_quads; ++i) {
+        gl_WorkGroupID.x * (synthesis_workgroup * quads) + gl_LocalInvocationID.x;
+    for (uint i = 0u; i < quads; ++i) {
         uint quad = first + i * synthesis_workgroup;
         vec4 ratio = texelFetch(before, int(s.history + quad)) * s.remains + s.added;
         if ((s.flags & foam_looks) != 0u)
@@ -94,7 +95,7 @@ void main() {
         ratio = flushed(ratio);
         if ((s.flags & foam_keeps) != 0u)
             histories[s.history + quad] = ratio;
-        else
-            foam[s.shown + quad] = 1.0 + s.departure * (ratio - 1.0);
+        if ((s.flags & foam_shows) != 0u)
+            foam[s.shown + quad] = s.departure == 1.0 ? ratio : 1.0 + s.departure * (ratio - 1.0);
     }
 }

@@ -64,17 +64,21 @@ struct JacobianPush {
 // RGBA32UI. Places are counted in vec4 of their buffers.
 SEAWAY_SHARED_CONSTANT foam_step_texels = 6;
 SEAWAY_SHARED_CONSTANT foam_steps_max = 128;
-/// Points of an invocation, in vec4: so many share the fetches of a step.
-SEAWAY_SHARED_CONSTANT foam_quads = 4;
+/// Points of an invocation, in vec4, which share the fetches of a step: a processor spares them, a GPU wants
+/// invocations. Specialisation constant 0.
+SEAWAY_SHARED_CONSTANT foam_quads_on_cpu = 4;
+SEAWAY_SHARED_CONSTANT foam_quads_on_gpu = 1;
 /// Flags of a step.
 SEAWAY_SHARED_CONSTANT foam_looks = 1; ///< at strains
-SEAWAY_SHARED_CONSTANT foam_keeps = 2; ///< the history is what the step leaves; else a map is
+SEAWAY_SHARED_CONSTANT foam_keeps = 2; ///< the history is what the step leaves
+SEAWAY_SHARED_CONSTANT foam_shows = 4; ///< a map is
 
 struct FoamPush {
     uint first_step; ///< of the dispatch, one a z
 };
 
-/// ratio = ratio * remains + breaking * source + added, as sea::FoamTick; shown: 1 + departure * (ratio - 1).
+/// ratio = ratio * remains + breaking * source + added, as sea::FoamTick; shown: 1 + departure * (ratio - 1), of
+/// departure 1 the very ratio.
 struct FoamStep {
     float threshold, bias, choppiness_x, choppiness_y;
     float choppiness_xy, variance, difference, shear;

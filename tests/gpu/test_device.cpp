@@ -93,27 +93,6 @@ TEST(TransferFamily, is_one_that_copies_and_does_nothing_else) {
     EXPECT_EQ(pick_transfer_family({}), std::nullopt);
 }
 
-// VUID-VkBufferMemoryBarrier2: the two halves name the same buffer, range and families; the first says what was written,
-// the second who reads, and what the other half says of it is left out.
-TEST(Ownership, is_released_by_who_wrote_and_acquired_by_who_reads_in_the_same_words) {
-    const auto buffer = reinterpret_cast<VkBuffer>(std::uintptr_t{0x1234});
-    const VkBufferMemoryBarrier2 release = release_barrier(buffer, Stage::compute, 3, 5);
-    const VkBufferMemoryBarrier2 acquire = acquire_barrier(buffer, Stage::copy, 3, 5);
-    for (const VkBufferMemoryBarrier2& half : {release, acquire}) {
-        EXPECT_EQ(half.buffer, buffer);
-        EXPECT_EQ(half.offset, 0u);
-        EXPECT_EQ(half.size, VK_WHOLE_SIZE);
-        EXPECT_EQ(half.srcQueueFamilyIndex, 3u);
-        EXPECT_EQ(half.dstQueueFamilyIndex, 5u);
-    }
-    EXPECT_EQ(release.srcStageMask, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
-    EXPECT_TRUE(release.srcAccessMask & VK_ACCESS_2_SHADER_WRITE_BIT);
-    EXPECT_EQ(release.dstStageMask | release.dstAccessMask, 0u);
-    EXPECT_EQ(acquire.dstStageMask, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT);
-    EXPECT_TRUE(acquire.dstAccessMask & VK_ACCESS_2_TRANSFER_READ_BIT);
-    EXPECT_EQ(acquire.srcStageMask | acquire.srcAccessMask, 0u);
-}
-
 // Each queue counts for itself: a copy that ends late does not hold up, nor overtake, what the main queue has done.
 TEST_F(DeviceTest,
        a_copy_of_the_transfer_queue_follows_what_it_waits_for_and_has_tickets_of_its_own) {
@@ -126,10 +105,8 @@ TEST_F(DeviceTest,
     for (const std::uint32_t word : {0x01020304u, 0xfedcba98u}) {
         ASSERT_TRUE(writes.begin());
         writes.fill(from, word, bytes);
-        writes.release_to_transfer(from, Stage::copy);
         ASSERT_TRUE(writes.end());
         ASSERT_TRUE(copies.begin());
-        copies.acquire_for_transfer(from);
         copies.copy(from, to, bytes);
         copies.barrier(Stage::copy, Stage::host);
         ASSERT_TRUE(copies.end());

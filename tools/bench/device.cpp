@@ -82,7 +82,7 @@ struct Measured {
     server::Synthesizer* device;
     server::FoamMaps foam;
     server::Readback readback = server::Readback::exact;
-    std::vector<double> device_s = {}, wall_s = {}, best_s = {};
+    std::vector<double> device_s = {}, wall_s = {}, foam_s = {}, best_s = {};
     int ticks = 0;
 
     /// Each cascade a tick of its foam further on, as a stream goes.
@@ -109,6 +109,7 @@ struct Measured {
             const server::SynthesisCounters spent = device->counters() - before;
             wall_s.push_back(seconds_since(start));
             device_s.push_back(spent.device_seconds + spent.foam_seconds);
+            foam_s.push_back(spent.foam_seconds);
             row.operations = static_cast<double>(spent.transforms) * transform_operations(row.size);
         }
         return {};
@@ -152,7 +153,8 @@ std::vector<Measured> lists_of(const Bench& bench, const server::RunningSeaPtr& 
     return lists;
 }
 
-/// A tick of foam of all tiles: what a keyframe of it takes more than one of the strains that it is made of.
+/// A tick of foam of all tiles: by the device's clock, or what a keyframe of it takes more than one of the strains that it
+/// is made of.
 Row foam_tick(std::span<const Measured> lists, int size) {
     const auto named = [&](std::string_view name) {
         return *std::ranges::find_if(lists, [&](const Measured& one) {
@@ -162,7 +164,8 @@ Row foam_tick(std::span<const Measured> lists, int size) {
     const Measured strains = named("strains"), foam = named("foam");
     std::vector<double> device_s, wall_s;
     for (std::size_t i = 0; i < foam.wall_s.size(); ++i) {
-        device_s.push_back(foam.device_s[i] - strains.device_s[i]);
+        device_s.push_back(foam.foam_s[i] > 0 ? foam.foam_s[i]
+                                              : foam.device_s[i] - strains.device_s[i]);
         wall_s.push_back(foam.wall_s[i] - strains.wall_s[i]);
     }
     return {"foam", "a tick", size, median(device_s), median(wall_s), foam.row.bytes};
@@ -210,6 +213,8 @@ Result<void> measure_size(const DeviceOptions& options, Bench& bench, int size,
     // Each runs twice in a row, the second one counts: what the one before it left in caches is not its own.
     for (int round = -1; round < options.rounds; ++round)
         for (Measured& one : lists) {
+            if (bench.arithmetic->rests())
+                SEAWAY_TRY(bench.arithmetic->operations_per_s());
             for (const bool second : {false, true})
                 SEAWAY_TRY(one.once(*sea, second && round >= 0));
             const auto bytes = std::min(static_cast<std::size_t>(one.row.bytes), moved_bytes);
@@ -279,9 +284,11 @@ Result<Row> measure_start(const DeviceOptions& options, int size, bool cold) {
 }
 
 void print(const Bench& bench, const std::vector<Row>& rows, std::ofstream& file) {
-    fmt::print("{}\nbest is {}, {:.1f} GB/s of memory, and {}, {:.0f} GFLOP/s{}{}\n\n",
-               bench.device->description(), bench.mover->name(), 1e-9 * bench.bytes_per_s,
-               bench.arithmetic->name(), 1e-9 * bench.operations_per_s, bench.fftw ? "; " : "",
+    fmt::print("{}{}\nbest is {}, {:.1f} GB/s of memory, and {}, {:.0f} GFLOP/s{}{}\n\n",
+               bench.device->description(),
+               bench.arithmetic->rests() ? "; each row after a hundredth of a second of sums" : "",
+               bench.mover->name(), 1e-9 * bench.bytes_per_s, bench.arithmetic->name(),
+               1e-9 * bench.operations_per_s, bench.fftw ? "; " : "",
                bench.fftw ? bench.fftw->name() : "; FFTW is not there, nothing is held against it");
     fmt::print("{:<10} {:>5} {:<13} {:>10} {:>10} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}\n", "",
                "size", "fields", "device ms", "wall ms", "MB", "best ms", "best %", "memory %",

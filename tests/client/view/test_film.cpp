@@ -136,8 +136,13 @@ TEST_F(FilmTest, every_view_shows_its_numbers_on_its_own_scale) {
     // A Jacobian of 1, level water, is middle grey; where the surface folds there is red, however little.
     EXPECT_EQ(shown(DebugView::jacobian, 0.8, 0.8, 0.8), (Bytes{102, 102, 102}));
     EXPECT_EQ(shown(DebugView::jacobian, 2.4, 2.4, 2.4), (Bytes{255, 255, 255}));
-    EXPECT_EQ(shown(DebugView::jacobian, -0.01, -0.01, -0.01), (Bytes{230, 13, 26}));
-    EXPECT_EQ(shown(DebugView::jacobian, -3, -3, -3), (Bytes{230, 13, 26}));
+    for (const double folded : {-0.01, -3.0}) {
+        const Bytes red = shown(DebugView::jacobian, folded, folded, folded);
+        const double steps[] = {229.5, 12.75,
+                                25.5}; // a device stores one that is less than one away
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_LT(std::abs(red[c] - steps[c]), 1) << folded;
+    }
     // An rms slope of 0.2 is half of the scale, 0.05 is seen.
     EXPECT_EQ(shown(DebugView::roughness, 0.2, 0.2, 0.2), (Bytes{255, 115, 0}));
     EXPECT_EQ(shown(DebugView::roughness, 0.05, 0.05, 0.05), (Bytes{96, 0, 0}));

@@ -66,6 +66,9 @@ class ReadbackRing : public testing::Test {
     }
 
     RandomSea random_{64, 200.0, 1, {1.1, 0.9}};
+    bool in_place_ = gpu::Device::create({}).value()->unified_memory();
+    /// A GPU's time stamps are read, once a run.
+    std::uint64_t stamps_ = gpu::Device::create({}).value()->info().is_cpu() ? 0 : 1;
     std::unique_ptr<VulkanSynthesizer> ring_ = device_of(random_.realization(), true);
     std::unique_ptr<VulkanSynthesizer> plain_ = device_of(random_.realization(), false);
 };
@@ -94,8 +97,8 @@ TEST_F(ReadbackRing, cascades_of_any_sizes_share_it) {
     for (int i = 0; i < 12; ++i)
         requests.push_back({(i * 2) % 3, i / 3 * step_us, moved});
     expect_same_bits(requests);
-    // Those of 128 and of 64 are a run each, of 512 there is one a keyframe.
-    EXPECT_EQ(spent(requests).readbacks_beside, 5u);
+    // Those of 128 and of 64 are a run each; of 512 there is one a keyframe, but where a GPU takes them together.
+    EXPECT_EQ(spent(requests).readbacks_beside, stamps_ == 0 ? 5u : 2u);
 }
 
 TEST_F(ReadbackRing, the_next_run_is_submitted_before_the_last_ones_maps_are_waited_for) {
@@ -112,7 +115,7 @@ TEST_F(ReadbackRing, the_next_run_is_submitted_before_the_last_ones_maps_are_wai
 TEST_F(ReadbackRing,
        one_alone_takes_no_call_of_the_driver_more_than_where_memory_is_read_in_place) {
     ASSERT_TRUE(ring_->synthesize(series(4 * jobs_a_run))); // the ring is there
-    EXPECT_EQ(calls_of(series(1)), 4u);
+    EXPECT_EQ(calls_of(series(1)), 4 + stamps_);
     EXPECT_EQ(spent(series(jobs_a_run)).readbacks_beside, 0u);
 }
 
@@ -120,7 +123,7 @@ TEST_F(ReadbackRing,
 // follows takes two recordings, two submissions and two waits; the last is one alone.
 TEST_F(ReadbackRing, a_reader_that_holds_keyframes_costs_their_memory_and_no_place_of_the_ring) {
     ASSERT_TRUE(ring_->synthesize(series(4 * jobs_a_run)));
-    constexpr std::uint64_t followed = 8, last = 4, four = 3 * followed + last;
+    const std::uint64_t followed = 8 + stamps_, last = 4 + stamps_, four = 3 * followed + last;
     EXPECT_EQ(calls_of(series(4 * jobs_a_run)), four);
     const auto held = ring_->synthesize(series(4 * jobs_a_run));
     ASSERT_TRUE(held);
@@ -137,6 +140,8 @@ TEST_F(ReadbackRing, a_reader_that_holds_keyframes_costs_their_memory_and_no_pla
 }
 
 TEST_F(ReadbackRing, where_memory_is_read_in_place_nothing_travels) {
+    if (!in_place_)
+        GTEST_SKIP() << "a processor does not read this device's memory in place";
     const SynthesisCounters before = plain_->counters();
     ASSERT_TRUE(plain_->synthesize(series(4 * jobs_a_run)));
     const SynthesisCounters counts = plain_->counters() - before;

@@ -59,6 +59,7 @@ class OnDevice final : public Arithmetic {
         return std::unique_ptr<Arithmetic>(std::move(made));
     }
     std::string name() const override { return "a kernel of fused products and sums"; }
+    bool rests() const override { return !device_->info().is_cpu(); }
     Result<double> operations_per_s() override {
         constexpr double a_round =
             2.0 * 4 * shaders::peak_chains * shaders::peak_steps * invocations;
@@ -102,6 +103,7 @@ class Here final : public Arithmetic {
         return fmt::format("products and sums of {} threads, {}", pool_.threads(),
                            seaway::name(best_instructions()));
     }
+    bool rests() const override { return false; }
     Result<double> operations_per_s() override {
         const Sums& sums = best_sums();
         return rate_of(rounds_, static_cast<double>(sums.operations) * pool_.threads() * 1024,

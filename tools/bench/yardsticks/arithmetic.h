@@ -15,6 +15,8 @@ class Arithmetic {
     virtual std::string name() const = 0;
     /// Products and sums a second, measured now; a hundredth of a second or a few.
     virtual Result<double> operations_per_s() = 0;
+    /// Its clock falls while it has nothing to do: what is measured after a rest takes three times as long.
+    virtual bool rests() const = 0;
 };
 
 /// A kernel on a Vulkan device, an index.
