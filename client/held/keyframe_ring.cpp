@@ -180,6 +180,8 @@ void KeyframeRing::drop_maps_of_splines() {
         }
 }
 
+// Of those that pass the furthest ahead goes first: a stream that is sent further ahead than there is room for leaves out
+// some of what comes, and never what is now.
 void KeyframeRing::make_room(Cascade& cascade, bool passing, std::size_t more) {
     std::size_t count = 0, bytes = 0;
     for (const Held& held : cascade.by_arrival)
@@ -187,18 +189,19 @@ void KeyframeRing::make_room(Cascade& cascade, bool passing, std::size_t more) {
             ++count;
             bytes += held.keyframe->bytes();
         }
-    for (auto at = cascade.by_arrival.begin();
-         count > limits_.keyframes_per_cascade + more ||
-         (bytes > limits_.bytes_per_cascade &&
-          count > RingLimits::keyframes_per_cascade_min + more);) {
-        if (at->passes != passing) {
-            ++at;
-            continue;
-        }
+    const auto later = [&](const Held& a, const Held& b) {
+        if (a.passes != b.passes)
+            return a.passes == passing;
+        return passing && a.keyframe->keyframe().time_us > b.keyframe->keyframe().time_us;
+    };
+    while (count > limits_.keyframes_per_cascade + more ||
+           (bytes > limits_.bytes_per_cascade &&
+            count > RingLimits::keyframes_per_cascade_min + more)) {
+        const auto at = std::ranges::min_element(cascade.by_arrival, later);
         const std::size_t gone = at->keyframe->bytes();
         cascade.bytes -= gone;
         bytes -= gone;
-        at = cascade.by_arrival.erase(at);
+        cascade.by_arrival.erase(at);
         --count;
     }
 }

@@ -2,8 +2,8 @@
 // Keyframe ring: the keyframes that a client holds, a bounded number a cascade, and the pair of
 // them around a time, which is what a sampler or a renderer works from.
 //
-// Of a stream it holds what is ahead and what the look-back needs; of what was asked for, as much as there is room for: the
-// one that came first is dropped first, and neither makes room for the other. A keyframe that has been sampled is held as its
+// Of a stream it holds what is ahead and what the look-back needs, of that the nearest where there is no room for all; of what
+// was asked for, as much as there is room for: the one that came first is dropped first. Neither makes room for the other. A keyframe that has been sampled is held as its
 // spline alone.
 //
 // Thread-safe. Readers get shared pointers to immutable keyframes: what they hold stays whole while the ring moves on.

@@ -40,7 +40,8 @@ struct SpectrumSteps {
     bool operator==(const SpectrumSteps&) const = default;
 };
 
-/// Standard deviations of what a spectrum misses, at any place and time.
+/// Standard deviations of what a spectrum misses, at any place and time; of waves whose phases were given a sixth of what they
+/// miss where all add up (spectrum_sigmas).
 struct SpectrumLeft {
     double height_m = 0;
     double displacement_m = 0; ///< of the component of D that it is more of

@@ -31,8 +31,9 @@ constexpr double panel_share = 0.04;
 /// How finely a ring's directions must be looked at.
 struct Beam {
     double centre_rad;
-    double width_rad; ///< a standard deviation or less
-    int panels;       ///< of half a width, either side of the centre
+    double width_rad;       ///< a standard deviation or less
+    int panels;             ///< of half a width, either side of the centre
+    bool both_ways = false; ///< there is another, opposite
 };
 
 Beam beam_of(const Ring& ring) {
@@ -41,7 +42,7 @@ Beam beam_of(const Ring& ring) {
     // cos^2 and sech^2 are never narrower than 0.35; swell narrows them as it does cos2s.
     const double width = std::min(0.35, std::sqrt(2.0 / (ring.spreading.exponent() + 1.0)));
     return {ring.towards_rad, width,
-            static_cast<int>(std::ceil(std::min(8.0 * width, pi) / (0.5 * width)))};
+            static_cast<int>(std::ceil(std::min(8.0 * width, pi) / (0.5 * width))), ring.both_ways};
 }
 
 /// Works in lattice steps: a mode is a point with whole coordinates, a cell a unit square.
@@ -175,8 +176,11 @@ class Cells {
                 add(quarter - a);
             }
         }
-        for (int j = -beam.panels; j <= beam.panels; ++j)
+        for (int j = -beam.panels; j <= beam.panels; ++j) {
             add(beam.centre_rad + 0.5 * j * beam.width_rad);
+            if (beam.both_ways)
+                add(beam.centre_rad + pi + 0.5 * j * beam.width_rad);
+        }
         std::sort(cuts_.begin(), cuts_.end());
     }
 

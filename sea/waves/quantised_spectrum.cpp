@@ -2,6 +2,7 @@
 #include "sea/waves/quantised_spectrum.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -26,34 +27,54 @@ struct Wave {
     double aspect2; ///< coth^2(kd)
     std::size_t block;
     std::size_t place; ///< in the block, of the real part
+    bool given;        ///< its phase
     double k() const { return std::hypot(kx, ky); }
 };
 
-/// Variances.
-struct Noise {
-    double height = 0, displacement_x = 0, displacement_y = 0, slope_x = 0, slope_y = 0;
+/// Height, displacement along x and y, slope likewise.
+using Parts = std::array<double, 5>;
 
-    void add(const Wave& wave, double error2) {
-        const double x2 = wave.kx * wave.kx, y2 = wave.ky * wave.ky, k2 = x2 + y2;
-        const double sideways = 2.0 * error2 * wave.aspect2 / k2;
-        height += 2.0 * error2;
-        displacement_x += sideways * x2;
-        displacement_y += sideways * y2;
-        slope_x += 2.0 * error2 * x2;
-        slope_y += 2.0 * error2 * y2;
+/// What waves are off by. Of waves whose phases are chance variances add up; those that were given may have any, and all be
+/// off the same way at some place: of these it is amplitudes.
+class Noise {
+  public:
+    /// The square of |h0| goes from one to another.
+    void add(const Wave& wave, double from2, double to2 = 0) {
+        const double k = wave.k(), sideways = std::sqrt(wave.aspect2) / k;
+        const Parts factors{1.0, sideways * std::abs(wave.kx), sideways * std::abs(wave.ky),
+                            std::abs(wave.kx), std::abs(wave.ky)};
+        for (std::size_t i = 0; i < factors.size(); ++i) {
+            if (wave.given)
+                amplitudes_[i] += 2.0 * factors[i] * (std::sqrt(from2) - std::sqrt(to2));
+            else
+                variances_[i] += 2.0 * factors[i] * factors[i] * (from2 - to2);
+        }
     }
     Noise& operator+=(const Noise& o) {
-        height += o.height;
-        displacement_x += o.displacement_x;
-        displacement_y += o.displacement_y;
-        slope_x += o.slope_x;
-        slope_y += o.slope_y;
+        for (std::size_t i = 0; i < variances_.size(); ++i) {
+            variances_[i] += o.variances_[i];
+            amplitudes_[i] += o.amplitudes_[i];
+        }
         return *this;
     }
+    /// Variances of which spectrum_sigmas deviations are a bound of all.
+    double height() const { return variance(0); }
+    double displacement() const { return std::max(variance(1), variance(2)); }
+    double slope() const { return std::max(variance(3), variance(4)); }
+    double slope_x() const { return variance(3); }
+    double slope_y() const { return variance(4); }
     SpectrumLeft left() const {
-        return {std::sqrt(height), std::sqrt(std::max(displacement_x, displacement_y)),
-                std::sqrt(std::max(slope_x, slope_y))};
+        return {std::sqrt(height()), std::sqrt(displacement()), std::sqrt(slope())};
     }
+
+  private:
+    double variance(std::size_t i) const {
+        const double sure = amplitudes_[i] / spectrum_sigmas;
+        const double chance = std::sqrt(std::max(variances_[i], 0.0));
+        return (chance + sure) * (chance + sure);
+    }
+
+    Parts variances_{}, amplitudes_{};
 };
 
 struct Rounded {
@@ -89,7 +110,7 @@ class Quantiser {
             take(sea.cascades[c], static_cast<int>(c));
         for (const Wave& wave : waves_)
             whole_.add(wave, std::norm(wave.h0));
-        rms_slope_ = std::sqrt(whole_.slope_x + whole_.slope_y);
+        rms_slope_ = std::sqrt(whole_.slope_x() + whole_.slope_y());
         for (const Wave& wave : waves_)
             largest_m_ = std::max({largest_m_, std::abs(wave.h0.real()), std::abs(wave.h0.imag())});
     }
@@ -137,7 +158,8 @@ class Quantiser {
                 waves_.push_back(
                     {modes.h0[index], step * nx, step * ny, aspect * aspect, block,
                      2 * static_cast<std::size_t>((ny - WaveBlock::side * by) * WaveBlock::side +
-                                                  nx - WaveBlock::side * bx)});
+                                                  nx - WaveBlock::side * bx),
+                     modes.is_given(index)});
             }
     }
 
@@ -154,11 +176,9 @@ class Quantiser {
     double share_of_wanted(const Noise& noise) const {
         const double sigmas2 = spectrum_sigmas * spectrum_sigmas;
         const double tilt = rms_slope_ * sideways_;
-        const double height =
-            noise.height + tilt * tilt * std::max(noise.displacement_x, noise.displacement_y);
-        return sigmas2 *
-               std::max(height / (wanted_.height_m * wanted_.height_m),
-                        std::max(noise.slope_x, noise.slope_y) / (wanted_.slope * wanted_.slope));
+        const double height = noise.height() + tilt * tilt * noise.displacement();
+        return sigmas2 * std::max(height / (wanted_.height_m * wanted_.height_m),
+                                  noise.slope() / (wanted_.slope * wanted_.slope));
     }
 
     Noise noise_with(const SpectrumSteps& steps) const {
@@ -210,7 +230,7 @@ class Quantiser {
         Noise gained;
         double bits = 0;
         bool says = false;
-        double worth() const { return gained.height / (bits + block_bits); }
+        double worth() const { return gained.height() / (bits + block_bits); }
     };
 
     using Rest = std::vector<std::complex<double>>; ///< of each wave, what no layer has told yet
@@ -241,7 +261,7 @@ class Quantiser {
             piece.says = true;
             piece.block.codes[wave.place] = static_cast<std::int32_t>(code.real);
             piece.block.codes[wave.place + 1] = static_cast<std::int32_t>(code.imaginary);
-            piece.gained.add(wave, std::norm(rest[w]) - code.error2);
+            piece.gained.add(wave, std::norm(rest[w]), code.error2);
             rest[w] -= std::complex(code.real * step, code.imaginary * step);
         }
         std::erase_if(pieces, [](const Piece& piece) { return !piece.says; });

@@ -2,6 +2,7 @@
 #include "sea/waves/sine_waves.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -195,14 +196,43 @@ ExponentialSine exponential_sine(double sharpness) {
     return {mean, scaled_bessel_i0(2.0 * sharpness) - mean * mean};
 }
 
+namespace {
+
+/// Variances of the harmonics of exp(p (cos q - 1)) = e^-p (I0(p) + 2 sum In(p) cos n q) (DLMF 10.35.2), from the first one
+/// on; In / In-1 by its continued fraction (DLMF 10.33.1).
+std::vector<double> exponential_harmonics(double p) {
+    constexpr std::size_t count = 32; // of p = 10 the 32nd has 1e-17 of the slope
+    std::array<double, count + 1> ratio{};
+    for (std::size_t n = count; n >= 1; --n)
+        ratio[n] = 1.0 / (2.0 * static_cast<double>(n) / p + (n < count ? ratio[n + 1] : 0.0));
+    std::vector<double> variances;
+    double scaled = scaled_bessel_i0(p);
+    for (std::size_t n = 1; n <= count; ++n) {
+        scaled *= ratio[n];
+        variances.push_back(2.0 * scaled * scaled);
+    }
+    // Of what is not there nothing is to be summed.
+    while (variances.size() > 1 && variances.back() < 1e-20 * variances.front())
+        variances.pop_back();
+    return variances;
+}
+
+} // namespace
+
 std::vector<SineLine> sine_lines(const SineField& field) {
     std::vector<SineLine> lines;
-    const double variance =
-        field.kind == SineKind::exponential ? exponential_sine(field.sharpness).variance : 0.5;
+    const std::vector<double> variances = field.kind == SineKind::exponential
+                                              ? exponential_harmonics(field.sharpness)
+                                              : std::vector<double>{0.5};
     const double all = field.share * field.share;
-    for (const SineField::Wave& wave : field.waves)
-        lines.push_back({all * variance * wave.amplitude_m * wave.amplitude_m, wave.kx_radpm,
-                         wave.ky_radpm, wave.omega_radps});
+    for (const SineField::Wave& wave : field.waves) {
+        double n = 0;
+        for (const double variance : variances) {
+            ++n;
+            lines.push_back({all * variance * wave.amplitude_m * wave.amplitude_m,
+                             n * wave.kx_radpm, n * wave.ky_radpm, n * wave.omega_radps});
+        }
+    }
     for (const NoiseOctave& octave : field.octaves) {
         const double k = noise_slope_cells * octave.cells / field.length_m;
         const double speed = std::hypot(octave.speed_x_mps, octave.speed_y_mps);

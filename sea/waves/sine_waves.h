@@ -134,7 +134,8 @@ inline void add_plane_wave(const SineField::Wave& wave, double rise_m, double fa
     point.height_rate += wave.omega_radps * fall_m;
 }
 
-/// A wave or octave as statistics see it: its variance at one wavenumber, frequency and direction.
+/// A wave, a harmonic of a sharp one, or an octave, as statistics see it: its variance at one wavenumber, frequency and
+/// direction.
 struct SineLine {
     double variance_m2;
     double kx_radpm; ///< of an octave: of its rms slope, towards where it drifts

@@ -69,19 +69,21 @@ Result<void> CourseSynthesis::hold(const Held& wanted) {
 Result<std::vector<NewKeyframePtr>>
 CourseSynthesis::synthesize(std::span<const KeyframeRequest> requests) {
     std::vector<NewKeyframePtr> keyframes(requests.size());
+    std::vector<Held> seas; // each is looked at once: one that nobody holds is made for that
+    for (const KeyframeRequest& request : requests)
+        seas.push_back(sea_of(request));
     for (std::size_t i = 0; i < requests.size(); ++i) {
         if (keyframes[i])
             continue;
-        Held sea = sea_of(requests[i]);
+        Held sea = seas[i];
         std::vector<std::size_t> places;
         std::vector<KeyframeRequest> alike;
         for (std::size_t j = i; j < requests.size(); ++j) {
             if (keyframes[j])
                 continue;
-            const Held other = sea_of(requests[j]);
-            if (!other.is_alike(sea))
+            if (!seas[j].is_alike(sea))
                 continue;
-            sea.cascades |= other.cascades;
+            sea.cascades |= seas[j].cascades;
             places.push_back(j);
             alike.push_back(requests[j]);
         }

@@ -114,30 +114,35 @@ void PointQuestion::lie_flat() {
 void PointQuestion::let_go_waves() {
     moment_.reset(); // it refers to the sum
     truth_.reset();
-    exact_sea_.reset();
     sums_place_.reset();
+}
+
+bool PointQuestion::take_waves(const SeaCourse& course, sea::TimeUs time_us) {
+    let_go_waves();
+    const RunningSeaPtr sea = course.sea_unless_making(course.window_at(time_us).epoch);
+    awaits_sea_ = !sea;
+    if (awaits_sea_)
+        return false;
+    truth_ = sea->truth_at(time_us);
+    moment_ = truth_->at_time(time_us, cascades_);
+    moment_us_ = time_us;
+    choppiness_ = sea->choppiness_at(time_us);
+    folds_ = fold_search(sea->budget);
+    return true;
 }
 
 void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over, Room& sums) {
     while (!complete()) {
         const sea::QueryPoint& point = next();
-        if (!moment_ || moment_us_ != point.time_us) {
-            let_go_waves();
-            exact_sea_ = course.sea_unless_making(course.window_at(point.time_us).epoch);
-            awaits_sea_ = !exact_sea_;
-            if (awaits_sea_)
-                return;
-            truth_ = exact_sea_->truth_at(point.time_us);
-            moment_ = truth_->at_time(point.time_us, cascades_);
-            moment_us_ = point.time_us;
-        }
+        if ((!moment_ || moment_us_ != point.time_us) && !take_waves(course, point.time_us))
+            return;
         put(exactly(point));
         if (over())
             break;
     }
     if (!complete() && !sums_place_) {
-        const bool shared = truth_ == exact_sea_->truth;
-        sums_place_ = sums.take(moment_->bytes() + (shared ? 0 : truth_->bytes()));
+        const bool stays = truth_ == course.first()->truth;
+        sums_place_ = sums.take(moment_->bytes() + (stays ? 0 : truth_->bytes()));
     }
     if (complete() || !sums_place_)
         let_go_waves();
@@ -146,8 +151,7 @@ void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over, 
 sea::Answer PointQuestion::exactly(const sea::QueryPoint& point) {
     // A nanometre, and what rounding leaves of a coordinate far out.
     const double tolerance_m = 1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
-    const sea::InverseOptions options{exact_sea_->choppiness_at(point.time_us), tolerance_m,
-                                      fold_search(exact_sea_->budget)};
+    const sea::InverseOptions options{choppiness_, tolerance_m, folds_};
     const std::size_t at = order_[done_count_];
     sea::Answer answer = asked_.z_m.empty() ? sea::surface_at(point, options, *moment_)
                                             : sea::water_at(point, asked_.z_m[at], options,

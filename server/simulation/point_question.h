@@ -65,7 +65,7 @@ class PointQuestion {
     /// A slice of the keyframes that the next surface lacks.
     Result<void> make_keyframes(Surfaces& surfaces) { return surfaces.make_keyframes(*surface_); }
     /// The same as sample() by the direct sum. From one slice to the next it keeps the waves of its time where `sums` has room
-    /// for them, and makes them anew where not.
+    /// for them and for whatever of their sea the course may let go, and makes them anew where not.
     void sum_exactly(const SeaCourse& course, const SliceOver& over, Room& sums);
 
     /// A slice would come to nothing, for want of room for the next surface or of the sea of the next point.
@@ -90,6 +90,8 @@ class PointQuestion {
     /// Of a sea of which nothing is felt.
     void lie_flat();
     sea::Answer exactly(const sea::QueryPoint& point);
+    /// False: their sea is not there yet.
+    bool take_waves(const SeaCourse& course, sea::TimeUs time_us);
     void let_go_waves();
 
     const PointsAsked asked_;
@@ -99,12 +101,14 @@ class PointQuestion {
     PointsAnswered answered_;
     std::size_t done_count_ = 0;        ///< of `order_`
     std::optional<SurfaceJob> surface_; ///< around the next one
-    RunningSeaPtr exact_sea_;           ///< at moment_us_
     bool awaits_sea_ = false;
+    // At moment_us_; of the sea itself no more is kept.
+    sea::Choppiness choppiness_;
+    sea::FoldSearch folds_;
     std::shared_ptr<const sea::DirectSum> truth_;
     std::optional<sea::DirectSum::Moment> moment_; ///< of truth_
     sea::TimeUs moment_us_ = 0;
-    Room::Place sums_place_; ///< of moment_, and of truth_ where that is of this moment alone
+    Room::Place sums_place_; ///< of moment_, and of truth_ where the course need not keep it
 };
 
 } // namespace seaway::server

@@ -103,7 +103,7 @@ std::optional<Questions::Place> Questions::next(Hand hand) {
     return !prompt || (other && owed_us >= owed_us_max) ? other : prompt;
 }
 
-std::optional<Error> Questions::why_not(const Question& question, Line& line) {
+std::optional<Error> Questions::why_not(std::size_t bytes, Line& line) {
     if (closed_)
         return closed_;
     const std::size_t own = line.waiting.size() + line.worked_on;
@@ -112,8 +112,8 @@ std::optional<Error> Questions::why_not(const Question& question, Line& line) {
     if (open_ >= questions_waiting_max * (own == 0 ? 2 : 1))
         return busy(crowd_wait_s, fmt::format("{} questions wait already, try again later",
                                               questions_waiting_max));
-    if (room_->held_bytes() + question.bytes > room_->bytes_max() / (own == 0 ? 1 : 2) &&
-        line.bytes + question.bytes > small_question_bytes)
+    if (room_->held_bytes() + bytes > room_->bytes_max() / (own == 0 ? 1 : 2) &&
+        line.bytes + bytes > small_question_bytes)
         return busy(crowd_wait_s, "points that wait fill the memory there is for them");
     return over_its_budget(line);
 }
@@ -147,7 +147,7 @@ void Questions::settle(const Asker& asker, double left_us) {
 
 Questions::Line* Questions::admit(std::unique_lock<std::mutex>& lock, Question& question) {
     Line& line = line_of(question.asker);
-    if (const std::optional<Error> refusal = why_not(question, line)) {
+    if (const std::optional<Error> refusal = why_not(question.bytes, line)) {
         lock.unlock();
         question.refuse(*refusal);
         return nullptr;
@@ -156,6 +156,11 @@ Questions::Line* Questions::admit(std::unique_lock<std::mutex>& lock, Question& 
     line.account.take(question.price_us);
     add(line, std::move(question));
     return &line;
+}
+
+std::optional<Error> Questions::why_not(const Asker& asker, std::size_t bytes) {
+    const std::scoped_lock lock(mutex_);
+    return why_not(bytes, line_of(asker));
 }
 
 void Questions::ask(Question question) {

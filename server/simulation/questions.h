@@ -81,6 +81,8 @@ class Questions {
     /// Refused at once, Refusal::busy, where no more may wait or the asker's budget is spent, with
     /// the time after which it is worth asking again; after close() with its reason.
     void ask(Question question);
+    /// Why a question of so many bytes would be refused, whatever it costs: asked before it is priced, where that takes long.
+    std::optional<Error> why_not(const Asker& asker, std::size_t bytes);
     /// As ask(); but where it is this question's turn among those for the threads that answer, who asks is given it, to work
     /// on as they do: a slice, spent(), put_back() or over().
     std::optional<Question> ask_or_take(Question question);
@@ -147,7 +149,7 @@ class Questions {
     static void earlier(std::optional<Place>& best, const std::optional<Place>& other);
     Question taken(const Place& place);
     void given_back(Line& line, const Question& question);
-    std::optional<Error> why_not(const Question& question, Line& line);
+    std::optional<Error> why_not(std::size_t bytes, Line& line);
     std::optional<Error> over_its_budget(Line& line);
     std::condition_variable& waits_for(Hand hand) {
         return hand == Hand::simulation ? changed_ : to_answer_;

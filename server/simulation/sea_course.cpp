@@ -249,6 +249,7 @@ RunningSeaPtr SeaCourse::make(std::uint32_t epoch, const RunningSeaPtr& from) co
     RunningSeaPtr to = sea_if_held(epoch + 1);
     if (!to)
         to = hold(steady(wanted.change, epoch + 1));
+    ++seas_made_;
     return made(make_glide(*from, *to, epoch, change->start_us, change->end_us));
 }
 
@@ -258,6 +259,7 @@ RunningSeaPtr SeaCourse::steady(std::size_t change, std::uint32_t epoch) const {
         const std::scoped_lock lock(mutex_);
         made_of = &changes_[change];
     }
+    ++seas_made_;
     auto waves = std::make_shared<const sea::Realization>(made(sea::realize(made_of->scene)));
     if (made_of->chained)
         waves = made(sea::continued(*clocks_before(change), *waves, made_of->start_us));

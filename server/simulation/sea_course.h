@@ -72,6 +72,8 @@ class SeaCourse {
     /// who answer questions is at it.
     RunningSeaPtr sea_unless_making(std::uint32_t epoch) const;
     bool is_making() const { return is_making_; }
+    /// How many have been made since the course began: steady ones, and glides.
+    std::uint64_t seas_made() const { return seas_made_; }
     /// Called by who has made some, on his thread. Before anything else is asked; empty: nobody.
     void when_made(std::function<void()> call) const;
     /// What was said of the running sea when it began: effects, tiles and accuracy of all others too.
@@ -141,6 +143,7 @@ class SeaCourse {
 
     mutable std::mutex making_; ///< one sea is made at a time
     mutable std::atomic<bool> is_making_ = false;
+    mutable std::atomic<std::uint64_t> seas_made_ = 0;
     mutable CoursePhases phases_;
     mutable std::mutex mutex_;   ///< of what follows
     std::deque<Change> changes_; ///< each stays where it is and as it is

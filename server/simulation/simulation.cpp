@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "server/host/refusal.h"
-#include "server/simulation/fetched_seas.h"
+#include "server/simulation/fetched_parts.h"
 #include "server/simulation/slice.h"
 
 namespace seaway::server {
@@ -238,27 +238,19 @@ void Simulation::answer_at_once(Question question, const std::function<bool()>& 
     at_once_.take(1e6 * (steady_seconds() - start_s));
 }
 
-Question Simulation::keyframe_question(std::function<std::vector<KeyframeRequest>()> wanted,
-                                       Walk walk, std::function<bool()> ready, Fetched done,
-                                       const Asker& asker) {
-    auto job = std::make_shared<std::optional<KeyframeJob>>();
-    const auto slice = [this, job, wanted = std::move(wanted), walk, done] {
-        if (!*job)
-            job->emplace(wanted(), walk, fetch_room_);
-        const Result<bool> made = source_.work_on(**job);
-        if (!made) {
-            done(made.error());
-            return true;
-        }
-        if (*made) {
-            FetchedKeyframes part{(*job)->take()};
-            part.last = (*job)->complete();
-            done(std::move(part));
-        }
-        return (*job)->complete();
-    };
-    return {slice, done, asker,
-            [job, ready = std::move(ready)] { return ready() && !(*job && (*job)->waits()); }};
+bool Simulation::work_on(KeyframeJob& job, const std::function<FetchedKeyframes()>& take,
+                         const Fetched& done) {
+    const Result<bool> made = source_.work_on(job);
+    if (!made) {
+        done(made.error());
+        return true;
+    }
+    if (!*made)
+        return false;
+    FetchedKeyframes part = take();
+    const bool last = part.last;
+    done(std::move(part));
+    return last;
 }
 
 void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetched done,
@@ -267,16 +259,23 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
         if (const Result<void> fine = check_time(time_us); !fine)
             return done(fine.error());
     const double price_us = prices_.fetch_us(times_us, demand, holding());
-    auto seas = std::make_shared<FetchedSeas>(*course_, times_us, demand.fields);
-    Question question = keyframe_question(
-        [this, times_us = std::move(times_us), demand] {
-            return keyframes_around(*course_, times_us, demand);
-        },
-        Walk::questions, [seas] { return !seas->wait(); }, std::move(done), asker);
-    question.hand = [seas] { return seas->are_there() ? Hand::simulation : Hand::answers; };
-    question.slice = [seas, slice = std::move(question.slice)] {
-        return seas->are_there() ? slice() : seas->make_some();
+    auto parts = std::make_shared<FetchedParts>(*course_, times_us, demand, fetch_room_);
+    const auto take = [parts] {
+        FetchedKeyframes part{parts->take()};
+        part.last = parts->complete();
+        return part;
     };
+    Question question{.slice =
+                          [this, parts, take, done] {
+                              if (parts->hand() == Hand::simulation)
+                                  return work_on(parts->job(), take, done);
+                              parts->make_some_sea();
+                              return false;
+                          },
+                      .refuse = done,
+                      .asker = asker,
+                      .ready = [parts] { return !parts->waits(); },
+                      .hand = [parts] { return parts->hand(); }};
     question.price_us = price_us;
     question.prompt = price_us <= prices_.prompt_us();
     ask(std::move(question));
@@ -284,9 +283,24 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
 
 void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
     // Has no price of its own: it is what a subscription begins with, and mostly held.
-    Question question = keyframe_question(
-        [this, demand] { return schedule_.current(demand, clock_.now()); }, Walk::starts,
-        [this, demand] { return !streamed_foam_.starts(demand); }, std::move(done), asker);
+    auto job = std::make_shared<std::optional<KeyframeJob>>();
+    const auto take = [job] {
+        FetchedKeyframes part{(*job)->take()};
+        part.last = (*job)->complete();
+        return part;
+    };
+    Question question{
+        .slice =
+            [this, job, take, demand, done] {
+                if (!*job)
+                    job->emplace(schedule_.current(demand, clock_.now()), Walk::starts,
+                                 fetch_room_);
+                return work_on(**job, take, done);
+            },
+        .refuse = done,
+        .asker = asker,
+        .ready = [this, job,
+                  demand] { return !streamed_foam_.starts(demand) && !(*job && (*job)->waits()); }};
     question.prompt = true;
     ask(std::move(question));
 }
@@ -297,10 +311,14 @@ void Simulation::answer(PointsAsked asked, Answered done, const Asker& asker) {
         if (const Result<void> fine = check_point(point); !fine)
             return done(fine.error());
     const bool exact = asked.exact || !asked.z_m.empty();
+    const std::size_t bytes = PointQuestion::bytes_of(points.size(), asked.z_m.size());
+    if (static_cast<double>(points.size()) >
+        prompt_points) // whose price takes milliseconds to find
+        if (const std::optional<Error> refusal = questions_.why_not(asker, bytes))
+            return done(*refusal);
     const std::uint32_t cascades = felt_cascades(*course_->first()->realization, asked.looking);
     const double price_us = exact ? prices_.exact_us(points, asked.z_m.size())
                                   : prices_.points_us(points, holding(), cascades);
-    const std::size_t bytes = PointQuestion::bytes_of(points.size(), asked.z_m.size());
     const bool prompt = price_us <= prices_.prompt_us();
     const bool few = prompt && static_cast<double>(points.size()) <= prompt_points;
     const bool looked_up = prompt && !exact && !points.empty();

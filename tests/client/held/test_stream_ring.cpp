@@ -86,6 +86,21 @@ TEST(Ring, what_passes_by_is_bounded_by_count_and_bytes) {
     }
 }
 
+// Naive: the first to come makes room. A stream that is sent further ahead than there is room for, as at a high pace, then
+// never leaves what is now.
+TEST(Ring, of_a_stream_that_comes_too_far_ahead_what_is_now_stays) {
+    KeyframeRing ring({.keyframes_per_cascade = 12, .look_back_us = step_us});
+    constexpr TimeUs ahead = 30; // intervals
+    int covered = 0;
+    for (TimeUs n = 0; n < 300; ++n) {
+        ring.insert_passing(streamed((n + ahead) * step_us), n * step_us + 1, step_us);
+        ASSERT_LE(ring.size(0), 12u);
+        const auto now = held_around(ring, n * step_us + 1);
+        covered += now && now->covers;
+    }
+    EXPECT_GT(covered, 70) << "a third of the time, as there is room for a third";
+}
+
 // Who has subscribed to less holds what he asked for of the surface besides.
 TEST(Ring, keyframes_of_which_each_has_what_the_other_lacks_are_both_held) {
     const FieldSet less = streamed_fields | FieldSet{Field::foam};

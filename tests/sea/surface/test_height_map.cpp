@@ -105,6 +105,23 @@ TEST(HeightMap, far_from_the_origin_and_coarse_or_fine_it_is_as_exact) {
     EXPECT_LE(worst(r, sea, all_values(r, sea)), map_difference_max_m);
 }
 
+// Naive: one length of the last Newton step for all seas. Waves of centimetres bend within it.
+TEST(HeightMap, of_waves_of_centimetres_every_height_is_what_a_query_answers) {
+    for (const double length_m : {6.0, 2.0, 0.5}) {
+        const RealizationPtr waves =
+            tests::make_sea({tests::random_cascade(length_m, 128, 36, 300, 0.011, 3)}, {1.0, 1.0});
+        const auto map = [&](TimeUs t) {
+            return std::make_shared<const SplineMap>(*tests::exact_keyframe(waves, 0, t));
+        };
+        const Surface sea({{map(0), map(20'000)}}, {1.0, 1.0}, {.reach_m = 0.3},
+                          {.height_bound_m = 0.001, .displacement_bound_m = 0.001});
+        MapRequest r = request();
+        r.width_m = r.height_m = 3.1 * length_m;
+        r.time_us = 7'000;
+        EXPECT_LE(worst(r, sea, all_values(r, sea)), 0.5 * map_difference_max_m) << length_m;
+    }
+}
+
 // Naive: the number of a texel is an int, and is undefined where a map has more of them than two thousand million.
 TEST(HeightMap, of_the_largest_width_over_a_tile_of_centimetres_is_as_exact) {
     const RealizationPtr waves =

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <numeric>
 
+#include <fmt/format.h>
+
 #include "sea/scene/scene.h"
 #include "sea/waves/mode_variances.h"
 #include "sea/waves/statistics/moments.h"
+#include "tests/sea/scene_of.h"
 #include "tests/sea/sea_fixture.h"
 
 namespace seaway::sea {
@@ -210,6 +213,29 @@ TEST(ModeVariances, scatter_counts_a_wave_together_with_the_one_against_it) {
         const double expected = std::sqrt((either_way ? 2.0 : 1.0) * squares) / (2.0 * sum);
         const double told = summarize(sea, *realized(sea, {tile})).cascades[0].expected_scatter;
         EXPECT_NEAR(told / expected, 1.0, 1e-3);
+    }
+}
+
+// Naive: the quadrature looks closely where the waves go, and not at the beam against them: along an axis, where cells meet,
+// a narrow one falls between its nodes.
+TEST(ModeVariances, a_narrow_beam_of_waves_both_ways_has_half_of_its_energy_either_way) {
+    for (const double s : {2.0, 75.0, 300.0, 1000.0}) {
+        const SeaState sea =
+            scene_of(fmt::format("[sea]\n[[sea.system]]\ntype=\"wind\"\nspectrum=\"phillips\"\n"
+                                 "wind_speed_10m_mps=8\nfrom_deg=270\nsignificant_height_m=1.5\n"
+                                 "phillips_upwind=true\nspreading=\"cos2s\"\n"
+                                 "spreading_exponent={}\n",
+                                 s))
+                .sea;
+        const CascadeSpec spec{400, 128};
+        const std::vector<double> variances =
+            mode_variances(DirectionalSpectrum(sea.systems[0], sea), spec, {0.01, 0.9});
+        double with = 0, against = 0;
+        for (int iy = 0; iy < spec.size; ++iy)
+            for (int ix = 0; ix < spec.size; ++ix)
+                (signed_index(ix, spec.size) > 0 ? with : against) +=
+                    variances[static_cast<std::size_t>(iy * spec.size + ix)];
+        EXPECT_NEAR(against / (with + against), 0.5, 0.02) << s; // of wide ones some goes across
     }
 }
 

@@ -203,6 +203,38 @@ TEST(QuantisedSpectrum, a_wave_at_every_edge_of_the_lattice_comes_back_where_it_
     }
 }
 
+// Naive: a variance of what was rounded off. Waves that are given alike are rounded alike, and where they meet so do the
+// errors of all.
+TEST(QuantisedSpectrum, waves_that_were_given_alike_keep_the_bound_where_they_meet) {
+    const SeaState state = windy_sea();
+    for (const double height_m : {0.5, 0.02}) {
+        const auto sea = std::make_shared<Realization>(*one_wave(100.0, 64, 4, 0, 0.0));
+        CascadeModes& modes = sea->cascades[0];
+        modes.given.assign(modes.h0.size(), 0);
+        for (int ny = 1; ny < 20; ++ny)
+            for (int nx = -20; nx < 20; ++nx) {
+                const auto at = static_cast<std::size_t>(ny * 64 + (nx + 64) % 64);
+                modes.h0[at] = 0.0031;
+                modes.given[at] = 1;
+            }
+        const QuantisedSpectrum waves = quantise(*sea, {height_m, 1.0});
+        SpectrumBuilder builder = begun(*sea, state, waves);
+        std::size_t block = 0;
+        for (;;) {
+            const Realization there = builder.sea();
+            double off_m = 0; // at the origin, at time 0
+            for (std::size_t i = 0; i < modes.h0.size(); ++i)
+                off_m += 2 * (modes.h0[i] - there.cascades[0].h0[i]).real();
+            const SpectrumLeft& left = block == 0 ? waves.without : waves.left[block - 1];
+            EXPECT_LE(std::abs(off_m), spectrum_sigmas * left.height_m * (1 + 1e-9)) << block;
+            if (block == waves.blocks.size())
+                break;
+            ASSERT_TRUE(builder.add(waves.blocks[block++]));
+        }
+        EXPECT_LE(spectrum_sigmas * waves.left.back().height_m, height_m);
+    }
+}
+
 TEST(QuantisedSpectrum, waves_whose_phases_were_given_are_known_by_their_blocks) {
     auto sea = std::make_shared<Realization>(*one_wave(100.0, 64, 3, 4, 1.0));
     sea->cascades[0].given.resize(64 * 64);

@@ -330,6 +330,10 @@ TEST(Budgets, who_asks_for_more_than_its_budget_is_told_when_to_ask_again_and_ot
     desk.ask(other, "other", 1);
     EXPECT_EQ(desk.refusals.size(), 1u);
     EXPECT_EQ(desk.questions.over_budget(), 1u);
+    // What takes long to price is not priced for that.
+    ASSERT_TRUE(desk.questions.why_not(flood, 0));
+    EXPECT_EQ(desk.questions.why_not(flood, 0)->message, desk.refusals[0].message);
+    EXPECT_FALSE(desk.questions.why_not(other, 0));
     desk.now_s = 3.7;
     desk.ask(flood, "flood", 1);
     EXPECT_EQ(desk.refusals.size(), 2u);

@@ -107,6 +107,35 @@ TEST(SimulationChanges, displacements_between_keyframes_follow_a_glide_of_the_de
               1.2 * largest_miss_m(bench, 40 * second_us, 50 * second_us));
 }
 
+// Naive: the seas of all times are made first; of more than are kept the first ones are gone by then, and each keyframe
+// makes its own anew.
+TEST(SimulationChanges, a_fetch_of_times_in_more_glides_than_are_kept_makes_each_sea_once) {
+    Bench bench;
+    constexpr int glides = static_cast<int>(seas_kept) + 2;
+    std::vector<TimeUs> times_us;
+    for (int i = 0; i < glides; ++i) {
+        const TimeUs start_us = (100 + 60 * i) * second_us;
+        change(bench, "systems.0.wind_speed_10m_mps", i % 2 == 0 ? "11.0" : "8.0", start_us,
+               start_us + 20 * second_us);
+        times_us.push_back(start_us + 7 * second_us);
+    }
+    const Demand demand{sea::all_cascades, sea::surface_fields};
+    const std::uint64_t before = bench.course->seas_made();
+    const std::vector<sea::KeyframePtr> all = bench.fetch(times_us, demand).value();
+    // Of each glide itself and the sea that it leads to, which the next one leaves.
+    EXPECT_LE(bench.course->seas_made() - before, static_cast<std::uint64_t>(2 * glides));
+    ASSERT_EQ(all.size(), static_cast<std::size_t>(glides) * 2 * 2);
+    std::size_t next = 0;
+    for (const TimeUs time_us : times_us) {
+        const std::vector<sea::KeyframePtr> single = bench.fetch({time_us}, demand).value();
+        for (const sea::KeyframePtr& alone : single) {
+            EXPECT_EQ(all[next]->time_us, alone->time_us);
+            EXPECT_EQ(all[next]->epoch, alone->epoch);
+            EXPECT_EQ(all[next++]->values, alone->values);
+        }
+    }
+}
+
 // Every moment has two keyframes around it of the sea that runs then, and nobody has to ask for them.
 TEST(SimulationChanges, a_stream_has_the_keyframes_around_every_moment_of_every_sea) {
     Bench bench;

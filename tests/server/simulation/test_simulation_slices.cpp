@@ -150,6 +150,26 @@ TEST(Slices, a_crowd_of_exact_questions_holds_no_more_waves_than_there_is_room_f
     }
 }
 
+// Naive: what belongs to the whole sea is nobody's. The course keeps a few of its seas; of others a question that is under
+// way would be the one that holds 20 MB and more.
+TEST(Slices, waves_of_a_sea_that_the_course_may_let_go_are_counted_by_who_holds_them) {
+    const RunningSeaPtr sea = running_sea();
+    const auto course = std::make_shared<SeaCourse>(sea);
+    const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "14.0"};
+    ASSERT_TRUE(course->add(*sea::changed(sea->scene, {&wind, 1}), 10 * second_us, 20 * second_us));
+    const auto held_at = [&](TimeUs time_us) {
+        const auto room = Room::of(1u << 30);
+        PointQuestion question(std::vector<sea::QueryPoint>{{1, 2, time_us}, {3, 4, time_us}});
+        question.sum_exactly(
+            *course, [] { return true; }, *room);
+        EXPECT_FALSE(question.complete());
+        return room->held_bytes();
+    };
+    const std::size_t of_first = held_at(0), of_later = held_at(30 * second_us);
+    EXPECT_GE(of_later, of_first + sea->truth->bytes());
+    EXPECT_LT(of_first, sea->truth->bytes()) << "whose sea stays made";
+}
+
 // Naive: each fetch holds all its raw keyframes until the last is made: 24 fetches held 6.6 GB.
 TEST(Slices, a_crowd_of_fetches_holds_no_more_raw_keyframes_than_there_is_room_for) {
     Bench bench(large);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/simulation/fetched_parts.h"
+
+#include <map>
+#include <utility>
+
+namespace seaway::server {
+
+FetchedParts::FetchedParts(const SeaCourse& course, const std::vector<sea::TimeUs>& times_us,
+                           const Demand& demand, std::shared_ptr<Room> room)
+    : course_(course), demand_(demand), room_(std::move(room)) {
+    std::map<std::uint32_t, std::vector<sea::TimeUs>> by_epoch;
+    for (const sea::TimeUs time_us : times_us)
+        by_epoch[course_.window_at(time_us).epoch].push_back(time_us);
+    for (auto& [epoch, times] : by_epoch)
+        seas_of_times_.push_back(std::move(times));
+    if (seas_of_times_.empty()) // of no times nothing, when it is its turn
+        seas_of_times_.emplace_back();
+    begin();
+}
+
+void FetchedParts::begin() {
+    job_.reset();
+    if (!complete())
+        seas_.emplace(course_, seas_of_times_[next_], demand_.fields);
+}
+
+KeyframeJob& FetchedParts::job() {
+    if (!job_)
+        job_.emplace(keyframes_around(course_, seas_of_times_[next_], demand_), Walk::questions,
+                     room_);
+    return *job_;
+}
+
+std::vector<sea::KeyframePtr> FetchedParts::take() {
+    std::vector<sea::KeyframePtr> part = job_->take();
+    if (job_->complete()) {
+        ++next_;
+        begin();
+    }
+    return part;
+}
+
+} // namespace seaway::server
