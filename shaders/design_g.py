@@ -2,7 +2,7 @@
 """Design G of the synthesis kernels, for GPUs: see generate.py.
 
 A line of N modes is the work of P threads of a workgroup, M = N / P modes a thread, and they exchange what they need
-by the memory that a workgroup shares. The line goes through steps of radices R1 R2 R3 = N (Stockham's order: natural
+by the memory that a workgroup shares. The line goes through steps of radices R1 R2 ... = N (Stockham's order: natural
 going in and coming out). With L the product of the radices before a step of radix R, butterfly j < N / R
 
     takes       the values j + q N / R, q < R, each turned by e^(2 pi i q (j mod L) / (L R)),
@@ -23,7 +23,6 @@ from kernel_text import (EVOLVE_BINDINGS, EVOLVE_LINE, FIELDS_LINE, HEAD, WORKGR
 
 # size: threads a line, radices
 PLANS = {64: (8, (8, 8)), 128: (16, (8, 4, 4)), 256: (32, (8, 8, 4)), 512: (64, (8, 8, 8)), 1024: (64, (16, 8, 8))}
-EVOLVE_PLANS = PLANS
 
 
 class Line:
@@ -135,13 +134,13 @@ void main() {{
 
 def columns(n, band):
     """Lines along y: whole workgroups."""
-    lines = WORKGROUP // EVOLVE_PLANS[n][0]
+    lines = WORKGROUP // PLANS[n][0]
     return -(-band_end(n) // lines) * lines if band else n // 2
 
 
 def evolve_pass(n, band):
     """modes -> G[job][source][y / 2][X]"""
-    line = Line(n, EVOLVE_PLANS[n], True)
+    line = Line(n, PLANS[n], True)
     m, threads = line.m, line.threads
     blocks = kept(n, m, band)
     count = columns(n, band)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pieces of GLSL that both designs of synthesis kernels are made of (generate.py)."""
+"""Pieces of GLSL that all designs of synthesis kernels are made of (generate.py)."""
 WORKGROUP = 64  # shared/synthesis.h
 
 HEAD = """#version 460

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
+#include <set>
 
 #include "base/check.h"
 #include "protocol/limits.h"
@@ -93,7 +95,7 @@ void KeyframeRing::insert(HeldKeyframePtr keyframe) {
     const std::scoped_lock lock(mutex_);
     ++changes_;
     if (Cascade* cascade = take({std::move(keyframe), false}))
-        make_room(*cascade, false);
+        make_room(*cascade);
 }
 
 void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us, TimeUs interval_us) {
@@ -106,8 +108,8 @@ void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us, TimeU
         return;
     let_pass(*cascade, now_us);
     drop_maps_of_splines();
-    make_room(*cascade, false);
-    make_room(*cascade, true, limits_.more_passing(interval_us));
+    make_room(*cascade);
+    make_room_around(*cascade, now_us, limits_.more_passing(interval_us));
 }
 
 KeyframeRing::Cascade* KeyframeRing::take(Held fresh_held) {
@@ -143,17 +145,24 @@ KeyframeRing::Cascade* KeyframeRing::take(Held fresh_held) {
 
 void KeyframeRing::let_pass(Cascade& cascade, TimeUs now_us) {
     const TimeUs needed_from_us = now_us - limits_.look_back_us;
-    std::map<std::uint32_t, TimeUs> oldest_us; // that are needed, by epoch
+    // Of each epoch the last one at or before that time is needed, but where nothing of it follows and a later epoch has begun.
+    std::map<std::uint32_t, TimeUs> oldest_us;
+    std::set<std::uint32_t> goes_on;
     for (const Held& held : cascade.by_arrival) {
         const sea::Keyframe& keyframe = held.keyframe->keyframe();
-        if (keyframe.time_us > needed_from_us)
+        if (keyframe.time_us > needed_from_us) {
+            goes_on.insert(keyframe.epoch);
             continue;
+        }
         TimeUs& latest_us = oldest_us.try_emplace(keyframe.epoch, keyframe.time_us).first->second;
         latest_us = std::max(latest_us, keyframe.time_us);
     }
     const auto left_behind = [&](const sea::Keyframe& old) {
         const auto oldest = oldest_us.find(old.epoch);
-        return oldest != oldest_us.end() && old.time_us < oldest->second;
+        if (oldest == oldest_us.end() || old.time_us > needed_from_us)
+            return false;
+        const bool is_over = !goes_on.contains(old.epoch) && oldest_us.rbegin()->first > old.epoch;
+        return is_over || old.time_us < oldest->second;
     };
     for (auto at = cascade.by_arrival.begin();
          at != cascade.by_arrival.end() &&
@@ -180,24 +189,35 @@ void KeyframeRing::drop_maps_of_splines() {
         }
 }
 
-// Of those that pass the furthest ahead goes first: a stream that is sent further ahead than there is room for leaves out
-// some of what comes, and never what is now.
-void KeyframeRing::make_room(Cascade& cascade, bool passing, std::size_t more) {
+void KeyframeRing::make_room(Cascade& cascade) {
+    drop(cascade, false, 0, [](const Held&, const Held&) { return false; }); // the first to come
+}
+
+// The furthest from now goes first: a stream that is sent further ahead than there is room for leaves out some of what comes,
+// and never what is now.
+void KeyframeRing::make_room_around(Cascade& cascade, TimeUs now_us, std::size_t more) {
+    const auto away_us = [now_us](const Held& held) {
+        return std::abs(held.keyframe->keyframe().time_us - now_us);
+    };
+    drop(cascade, true, more,
+         [&](const Held& a, const Held& b) { return away_us(a) > away_us(b); });
+}
+
+template <class Sooner>
+void KeyframeRing::drop(Cascade& cascade, bool passing, std::size_t more, const Sooner& sooner) {
     std::size_t count = 0, bytes = 0;
     for (const Held& held : cascade.by_arrival)
         if (held.passes == passing) {
             ++count;
             bytes += held.keyframe->bytes();
         }
-    const auto later = [&](const Held& a, const Held& b) {
-        if (a.passes != b.passes)
-            return a.passes == passing;
-        return passing && a.keyframe->keyframe().time_us > b.keyframe->keyframe().time_us;
+    const auto goes_first = [&](const Held& a, const Held& b) {
+        return a.passes != b.passes ? a.passes == passing : a.passes == passing && sooner(a, b);
     };
     while (count > limits_.keyframes_per_cascade + more ||
            (bytes > limits_.bytes_per_cascade &&
             count > RingLimits::keyframes_per_cascade_min + more)) {
-        const auto at = std::ranges::min_element(cascade.by_arrival, later);
+        const auto at = std::ranges::min_element(cascade.by_arrival, goes_first);
         const std::size_t gone = at->keyframe->bytes();
         cascade.bytes -= gone;
         bytes -= gone;

@@ -180,8 +180,13 @@ class KeyframeRing {
     const Cascade* find(int cascade) const;
     /// mutex_ held. The cascade that took it; null: a better one is held.
     Cascade* take(Held held);
-    /// Of those that pass, or of those that were asked for.
-    void make_room(Cascade& cascade, bool passing, std::size_t more = 0);
+    /// Of those that were asked for.
+    void make_room(Cascade& cascade);
+    /// Of those that pass; so many more than is usual have room.
+    void make_room_around(Cascade& cascade, sea::TimeUs now_us, std::size_t more);
+    /// Drops those that pass, or those that do not, until there are few enough; of two `sooner` says which goes first.
+    template <class Sooner>
+    void drop(Cascade& cascade, bool passing, std::size_t more, const Sooner& sooner);
     void let_pass(Cascade& cascade, sea::TimeUs now_us);
     void drop_maps_of_splines();
 

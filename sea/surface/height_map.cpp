@@ -125,7 +125,7 @@ MapStream::MapStream(const MapRequest& request, const Surface& surface, MapOptio
         const double length_m = pair.before->length_m();
         SEAWAY_CHECK(std::has_single_bit(static_cast<unsigned>(size)), "tiles are powers of two");
         SEAWAY_CHECK(pair.after->size() == size, "a pair is of one cascade");
-        last_step_m_ = std::min(last_step_m_, last_step_of(length_m / size));
+        finest_m_ = std::min(finest_m_, length_m / size);
         tiles_.push_back({nullptr, size, size + SplineMap::border, size / length_m,
                           texel_position(base_x_m_, length_m, size),
                           texel_position(base_y_m_, length_m, size)});
@@ -226,7 +226,7 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
                          y_m - base_y_m_,
                          static_cast<float>(surface_.choppiness().x),
                          static_cast<float>(surface_.choppiness().y),
-                         last_step_m_,
+                         last_steps_of(finest_m_),
                          scratch.shift_x.data(),
                          scratch.shift_y.data(),
                          chunk.values.data() + static_cast<std::size_t>(r) * row_values,

@@ -129,7 +129,7 @@ class MapStream {
     double base_y_m_ = 0;
     std::vector<std::vector<float>> texels_;
     std::vector<MapTile> tiles_;
-    float last_step_m_ = last_step_of(std::numeric_limits<double>::infinity()); ///< of the finest
+    double finest_m_ = std::numeric_limits<double>::infinity(); ///< spacing of their texels
     int rows_a_chunk_ = 1;
     int chunks_ = 0;
 

@@ -27,8 +27,18 @@ enum class MapKind { height, displacement, normal };
 
 /// A Newton step this short ends the search for a height: what its derivative misses there is half the curvature times the
 /// square. Waves of steepness 0.3, as short as 3.5 texels, bend by 0.6 / spacing: 6e-5 m are left at most.
-constexpr float last_step_of(double spacing_m) {
-    return spacing_m < 0.125 ? static_cast<float>(0.04 * spacing_m) : 5e-3f;
+/// A normal is not corrected, and needs a shorter one: 6e-4 are left. No step is shorter than what a shift of some metres is
+/// rounded to.
+struct LastSteps {
+    float height_m, normal_m;
+};
+constexpr LastSteps last_steps_of(double spacing_m) {
+    const double fine_m = spacing_m < 0.125 ? spacing_m : 0.125;
+    const auto at_least = [](double step_m) {
+        return static_cast<float>(step_m > 2e-6 ? step_m : 2e-6);
+    };
+    const double normal_m = 1e-3 * fine_m;
+    return {at_least(0.04 * fine_m), at_least(normal_m < 1e-4 ? normal_m : 1e-4)};
 }
 
 /// One row of a map.
@@ -42,8 +52,8 @@ struct MapRow {
     double y_m;
     float choppiness_x;
     float choppiness_y;
-    float last_step_m; ///< of heights: last_step_of()
-    float* shift_x;    ///< [columns] lambda D at the point: a guess on entry, solved on return
+    LastSteps last;
+    float* shift_x; ///< [columns] lambda D at the point: a guess on entry, solved on return
     float* shift_y;
     float* out;    ///< [columns][components]
     int* unsolved; ///< [columns] columns that need the careful solver: folds, no convergence

@@ -96,8 +96,6 @@ SEAWAY_INLINE Point evaluate(const MapTile* tiles, int tile_count, double x_m, d
 
 using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y;
 
-/// A normal is not corrected and needs a shorter one than a height (last_step_of()).
-constexpr float last_step_normal_m = 1e-4f;
 constexpr int steps_max = 8;
 constexpr auto careful_below = static_cast<float>(fold_suspected_below);
 
@@ -130,7 +128,7 @@ SEAWAY_INLINE void put_normal(const Newton& n, const Point& p, float* out) {
 /// Solves X + lambda D(X) = x from the guess in shift_x, shift_y; false for the careful solver.
 template <int W, MapKind kind>
 SEAWAY_INLINE bool solve(const MapRow& row, int column) {
-    const float last = kind == MapKind::normal ? last_step_normal_m : row.last_step_m;
+    const float last = kind == MapKind::normal ? row.last.normal_m : row.last.height_m;
     const double x_m = row.x0_m + column * row.step_m;
     float shift_x = row.shift_x[column], shift_y = row.shift_y[column];
     float residual_before = 1e30f;

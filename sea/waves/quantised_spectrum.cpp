@@ -61,8 +61,6 @@ class Noise {
     double height() const { return variance(0); }
     double displacement() const { return std::max(variance(1), variance(2)); }
     double slope() const { return std::max(variance(3), variance(4)); }
-    double slope_x() const { return variance(3); }
-    double slope_y() const { return variance(4); }
     SpectrumLeft left() const {
         return {std::sqrt(height()), std::sqrt(displacement()), std::sqrt(slope())};
     }
@@ -110,7 +108,10 @@ class Quantiser {
             take(sea.cascades[c], static_cast<int>(c));
         for (const Wave& wave : waves_)
             whole_.add(wave, std::norm(wave.h0));
-        rms_slope_ = std::sqrt(whole_.slope_x() + whole_.slope_y());
+        double slope2 = 0;
+        for (const Wave& wave : waves_)
+            slope2 += 2.0 * std::norm(wave.h0) * wave.k() * wave.k();
+        rms_slope_ = std::sqrt(slope2);
         for (const Wave& wave : waves_)
             largest_m_ = std::max({largest_m_, std::abs(wave.h0.real()), std::abs(wave.h0.imag())});
     }

@@ -41,6 +41,17 @@ std::size_t maps_that_fit(const gpu::Device& device, const shaders::Transform& t
            (std::size_t{transform.scratch_complexes} * complex_bytes);
 }
 
+/// Keyframes of all fields that may be made together without much of a device's memory: with what is read back and the ring
+/// their maps stand there five times.
+int jobs_with_memory(const gpu::Device& device, const SynthesisKernels& kernels) {
+    constexpr std::size_t share = 64;
+    const std::size_t job_bytes =
+        most_maps * std::size_t{kernels.transform->scratch_complexes} * complex_bytes;
+    const std::size_t jobs =
+        static_cast<std::size_t>(device.info().memory_bytes) / share / job_bytes;
+    return static_cast<int>(std::clamp<std::size_t>(jobs, 1, 1024));
+}
+
 template <class T>
 Result<void> take(T& place, Result<T> made) {
     if (!made)
@@ -56,8 +67,8 @@ Result<std::unique_ptr<VulkanBatch>> VulkanBatch::create(gpu::Device& device,
                                                          int cascade_count,
                                                          const VulkanMaps* held) {
     std::unique_ptr<VulkanBatch> made(new VulkanBatch(device, kernels));
-    const int wished =
-        VulkanBatch::batches(device, kernels.size()) ? most_maps * cascade_count : most_maps;
+    const int together = VulkanBatch::batches(device, kernels.size()) ? cascade_count : 1;
+    const int wished = most_maps * std::min(together, jobs_with_memory(device, kernels));
     made->capacity_maps_ = static_cast<int>(std::min<std::size_t>(
         static_cast<std::size_t>(wished), maps_that_fit(device, *kernels.transform)));
     if (held != nullptr) {

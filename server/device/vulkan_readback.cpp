@@ -27,14 +27,13 @@ Result<void> VulkanReadbacks::collect() {
 struct VulkanReadbacks::Travelled {
     std::span<const std::int16_t> from;
     float step;
-    std::span<std::int16_t> steps;
+    std::vector<std::int16_t>* steps; ///< with room for them: nothing here may throw
     std::span<float> values;
 
     void take() const {
-        for (std::size_t i = 0; i < from.size(); ++i) {
-            steps[i] = from[i];
+        steps->assign(from.begin(), from.end());
+        for (std::size_t i = 0; i < from.size(); ++i)
             values[i] = static_cast<float>(from[i]) * step;
-        }
     }
 };
 
@@ -49,12 +48,12 @@ sea::FieldSet VulkanReadbacks::sort_maps(const Pending& pending, int job,
             ++counters_.maps_too_large[static_cast<std::size_t>(map.field)];
             continue;
         }
-        map.steps.resize(keyframe.plane_size());
+        map.steps.reserve(keyframe.plane_size());
     }
     std::erase_if(keyframe.rounded, [&](const auto& map) { return too_large.contains(map.field); });
     for (sea::RoundedMap& map : keyframe.rounded) {
         const int place = pending.packing.map_of(map.field);
-        travelled.push_back({pending.batch->steps(pending.run, job, place), map.step, map.steps,
+        travelled.push_back({pending.batch->steps(pending.run, job, place), map.step, &map.steps,
                              keyframe.plane(map.field)});
     }
     return too_large;

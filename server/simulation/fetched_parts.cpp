@@ -19,6 +19,14 @@ FetchedParts::FetchedParts(const SeaCourse& course, const std::vector<sea::TimeU
     begin();
 }
 
+Hand FetchedParts::hand() {
+    const bool between = !job_ || job_->between_parts();
+    if (between && !complete() && !seas_of_times_[next_].empty() && seas_->are_there() &&
+        !course_.sea_if_held(epoch()))
+        seas_.emplace(course_, seas_of_times_[next_], demand_.fields);
+    return seas_->are_there() ? Hand::simulation : Hand::answers;
+}
+
 void FetchedParts::begin() {
     job_.reset();
     if (!complete())

@@ -22,8 +22,9 @@ class FetchedParts {
     FetchedParts(const SeaCourse& course, const std::vector<sea::TimeUs>& times_us,
                  const Demand& demand, std::shared_ptr<Room> room);
 
-    /// Who does the next slice: what makes some of a sea, or what works on the job.
-    Hand hand() const { return seas_->are_there() ? Hand::simulation : Hand::answers; }
+    /// Who does the next slice: what makes some of a sea, or what works on the job. A sea that has been let go meanwhile is made
+    /// again first, unless a part of its keyframes is being made.
+    Hand hand();
     /// A slice would come to nothing now.
     bool waits() const { return seas_->wait() || (job_ && job_->waits()); }
 
@@ -36,6 +37,7 @@ class FetchedParts {
 
   private:
     void begin();
+    std::uint32_t epoch() const { return course_.window_at(seas_of_times_[next_].front()).epoch; }
 
     const SeaCourse& course_;
     const Demand demand_;

@@ -55,6 +55,8 @@ class KeyframeJob {
     std::vector<sea::KeyframePtr> take();
     /// The last part has been taken.
     bool complete() const { return !open_ && end_ == wanted_.size(); }
+    /// Nothing is under way: the next slice begins a part.
+    bool between_parts() const { return !open_; }
     /// A slice would come to nothing: there is no room for the next part, or another job walks foam.
     bool waits() const {
         return !open_ && (!awaited_turn_.expired() || (room_ && !room_->fits(part_bytes_)));

@@ -114,7 +114,8 @@ void PointQuestion::lie_flat() {
 void PointQuestion::let_go_waves() {
     moment_.reset(); // it refers to the sum
     truth_.reset();
-    sums_place_.reset();
+    moment_place_.reset();
+    truth_place_.reset();
 }
 
 bool PointQuestion::take_waves(const SeaCourse& course, sea::TimeUs time_us) {
@@ -131,7 +132,7 @@ bool PointQuestion::take_waves(const SeaCourse& course, sea::TimeUs time_us) {
     return true;
 }
 
-void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over, Room& sums) {
+void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over, SumsRoom& sums) {
     while (!complete()) {
         const sea::QueryPoint& point = next();
         if ((!moment_ || moment_us_ != point.time_us) && !take_waves(course, point.time_us))
@@ -140,11 +141,13 @@ void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over, 
         if (over())
             break;
     }
-    if (!complete() && !sums_place_) {
+    if (!complete() && !moment_place_) {
         const bool stays = truth_ == course.first()->truth;
-        sums_place_ = sums.take(moment_->bytes() + (stays ? 0 : truth_->bytes()));
+        truth_place_ = stays ? nullptr : sums.take(truth_);
+        if (stays || truth_place_)
+            moment_place_ = sums.take(moment_->bytes());
     }
-    if (complete() || !sums_place_)
+    if (complete() || !moment_place_)
         let_go_waves();
 }
 

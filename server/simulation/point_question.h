@@ -12,6 +12,7 @@
 #include "sea/surface/answer.h"
 #include "sea/waves/reference.h"
 #include "server/simulation/questions.h"
+#include "server/simulation/sums_room.h"
 #include "server/simulation/surfaces.h"
 
 namespace seaway::server {
@@ -66,7 +67,7 @@ class PointQuestion {
     Result<void> make_keyframes(Surfaces& surfaces) { return surfaces.make_keyframes(*surface_); }
     /// The same as sample() by the direct sum. From one slice to the next it keeps the waves of its time where `sums` has room
     /// for them and for whatever of their sea the course may let go, and makes them anew where not.
-    void sum_exactly(const SeaCourse& course, const SliceOver& over, Room& sums);
+    void sum_exactly(const SeaCourse& course, const SliceOver& over, SumsRoom& sums);
 
     /// A slice would come to nothing, for want of room for the next surface or of the sea of the next point.
     bool waits(const Surfaces& surfaces, const SeaCourse& course) const {
@@ -108,7 +109,7 @@ class PointQuestion {
     std::shared_ptr<const sea::DirectSum> truth_;
     std::optional<sea::DirectSum::Moment> moment_; ///< of truth_
     sea::TimeUs moment_us_ = 0;
-    Room::Place sums_place_; ///< of moment_, and of truth_ where the course need not keep it
+    Room::Place moment_place_, truth_place_; ///< the second where the course need not keep it
 };
 
 } // namespace seaway::server

@@ -335,7 +335,7 @@ void Simulation::answer(PointsAsked asked, Answered done, const Asker& asker) {
             return !made;
         }
         if (exact)
-            batch->sum_exactly(*course_, over_after(points_slice), *memory_->room(MemoryUse::sums));
+            batch->sum_exactly(*course_, over_after(points_slice), sums_);
         else
             batch->sample(surfaces_, over_after(points_slice), make);
         if (batch->complete())

@@ -210,6 +210,7 @@ class Simulation {
     const SimulationClock clock_;
     const SimulationEvents events_;
     const MemoryPtr memory_;
+    SumsRoom sums_{memory_->room(MemoryUse::sums)};
 
     // Used by the simulation thread alone, but for reports.
     KeyframeSource source_;

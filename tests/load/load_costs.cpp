@@ -94,11 +94,11 @@ class Costs {
         };
         row("a point", least_us(6, [&](int) { sampled(); }) / 4096.0, price_point_us);
         points.resize(64);
+        server::SumsRoom sums(Memory().room(server::MemoryUse::sums));
         const auto summed = [&](int) {
             PointQuestion question(points);
             while (!question.complete())
-                question.sum_exactly(*server::steady_course(sea_), never,
-                                     *Memory().room(server::MemoryUse::sums));
+                question.sum_exactly(*server::steady_course(sea_), never, sums);
         };
         row("an exact point, of a million samples", a_million(least_us(5, summed)) / 64,
             1e6 * price_exact_wave_us);
@@ -107,8 +107,7 @@ class Costs {
             asked.z_m.assign(points.size(), -5.0);
             PointQuestion question(asked);
             while (!question.complete())
-                question.sum_exactly(*server::steady_course(sea_), never,
-                                     *Memory().room(server::MemoryUse::sums));
+                question.sum_exactly(*server::steady_course(sea_), never, sums);
         };
         row("an exact point and the water below, likewise", a_million(least_us(5, dived)) / 64,
             1e6 * (price_exact_wave_us + price_below_wave_us));

@@ -101,6 +101,54 @@ TEST(Ring, of_a_stream_that_comes_too_far_ahead_what_is_now_stays) {
     EXPECT_GT(covered, 70) << "a third of the time, as there is room for a third";
 }
 
+HeldKeyframePtr of_epoch(std::uint32_t epoch, TimeUs time_us) {
+    sea::Keyframe made{epoch, 0, time_us, 16, 50, streamed_fields, {}};
+    made.values.assign(2 * made.plane_size(), 0.5f);
+    return std::make_shared<const HeldKeyframe>(std::move(made), HeldKeyframe::FieldErrors{});
+}
+
+// Naive: the last keyframe of every sea that has been stays, and in the end there is room for nothing else.
+TEST(Ring, of_a_sea_that_is_over_nothing_stays) {
+    KeyframeRing ring({.keyframes_per_cascade = 12, .look_back_us = 2 * step_us});
+    constexpr TimeUs of_each = 15; // keyframes of an epoch, and one of the next at its end
+    for (TimeUs n = 0; n < 80 * of_each; ++n) {
+        const auto epoch = static_cast<std::uint32_t>(1 + n / of_each);
+        for (const TimeUs at : {n, n + 1})
+            ring.insert_passing(of_epoch(epoch, (at + 1) * step_us), n * step_us + 1, step_us);
+        ASSERT_LE(ring.size(0), 8u) << n;
+        const TimeUs now_us = n * step_us + 1;
+        if (n % of_each > 1) {
+            ASSERT_TRUE(ring.around(0, epoch, now_us, step_us, streamed_fields)->covers) << n;
+        }
+        if (n % of_each > 3) {
+            ASSERT_TRUE(
+                ring.around(0, epoch, now_us - 2 * step_us, step_us, streamed_fields)->covers)
+                << n;
+        }
+    }
+}
+
+// Naive: the room follows the interval of what has just come: keyframes further apart leave room for fewer, and what is now
+// is left out for what was a minute ago.
+TEST(Ring, when_keyframes_come_further_apart_what_is_now_stays) {
+    constexpr TimeUs back_us = 60'000'000, later_us = 4 * step_us;
+    KeyframeRing ring({.look_back_us = back_us});
+    TimeUs now_us = 0;
+    for (; now_us < 2 * back_us; now_us += step_us)
+        ring.insert_passing(of_epoch(1, now_us + 2 * step_us), now_us, step_us);
+    const TimeUs change_us = now_us;
+    for (; now_us < change_us + back_us; now_us += later_us) {
+        ring.insert_passing(of_epoch(2, now_us + 2 * later_us), now_us, later_us);
+        if (now_us > change_us + 3 * later_us) {
+            ASSERT_TRUE(ring.around(0, 2, now_us, later_us, streamed_fields)->covers) << now_us;
+        }
+        if (now_us < change_us + 10'000'000) {
+            ASSERT_TRUE(ring.around(0, 1, change_us - 5'000'000, step_us, streamed_fields)->covers)
+                << now_us;
+        }
+    }
+}
+
 // Who has subscribed to less holds what he asked for of the surface besides.
 TEST(Ring, keyframes_of_which_each_has_what_the_other_lacks_are_both_held) {
     const FieldSet less = streamed_fields | FieldSet{Field::foam};

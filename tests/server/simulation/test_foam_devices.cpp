@@ -251,6 +251,13 @@ TEST(FoamOnVulkan, keyframes_hold_what_was_asked_and_all_cascades_of_a_size_shar
     for (const NewKeyframePtr& keyframe : both_at(100'000))
         EXPECT_EQ(keyframe->fields, asked);
     EXPECT_LE(device->counters().dispatches - before, 2 * of_height + 1);
+    // Of a tick what is kept is what is shown, in one step.
+    const sea::FoamTicks ticks =
+        sea::foam_ticks(sea->scene.foam.decay_s, sea->budget.cascades[0].interval_us, 0);
+    const TimeUs tick_us = ticks.after(ticks.at_or_before(100'000));
+    const std::uint64_t before_tick = device->counters().dispatches;
+    ASSERT_TRUE(foam.synthesize(*device, {{0, tick_us, asked}}));
+    EXPECT_EQ(device->counters().dispatches - before_tick, of_height + 1);
 }
 
 TEST_P(FoamOn, follows_a_sea_that_glides_to_another) {

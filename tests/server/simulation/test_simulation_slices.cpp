@@ -90,10 +90,11 @@ TEST(Slices, exact_points_let_others_in_between_however_many_waves_there_are) {
 TEST(Slices, of_points_end_when_they_are_over_and_hold_one_point_at_least) {
     const SeaCoursePtr course = steady_course(running_sea());
     PointQuestion question(std::vector<sea::QueryPoint>{{1, 2, 0}, {3, 4, 0}, {5, 6, 1'000'000}});
+    SumsRoom sums(Memory().room(MemoryUse::sums));
     for (int slice = 1; slice <= 3; ++slice) {
         EXPECT_FALSE(question.complete());
         question.sum_exactly(
-            *course, [] { return true; }, *Memory().room(MemoryUse::sums));
+            *course, [] { return true; }, sums);
     }
     EXPECT_TRUE(question.complete());
 }
@@ -108,14 +109,15 @@ TEST(Slices, a_crowd_of_exact_questions_holds_no_more_waves_than_there_is_room_f
     const auto tight = Room::of(2u << 20), wide = Room::of(1u << 30);
     struct Asked {
         PointQuestion question;
-        Room& room;
+        SumsRoom& room;
     };
+    SumsRoom tight_sums(tight), wide_sums(wide);
     std::vector<Asked> crowd;
     for (int i = 0; i < 32; ++i) {
         std::vector<sea::QueryPoint> points;
         for (int n = 0; n < 5; ++n) // in the glide, two at one time; and when it is over
             points.push_back({3.0 * n, 1.0 * i, (1 + n / 2) * 40 * second_us + i});
-        crowd.push_back({PointQuestion(points), i % 2 == 0 ? *tight : *wide});
+        crowd.push_back({PointQuestion(points), i % 2 == 0 ? tight_sums : wide_sums});
     }
     std::size_t most = 0;
     for (bool all = false; !all;) {
@@ -157,17 +159,23 @@ TEST(Slices, waves_of_a_sea_that_the_course_may_let_go_are_counted_by_who_holds_
     const auto course = std::make_shared<SeaCourse>(sea);
     const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "14.0"};
     ASSERT_TRUE(course->add(*sea::changed(sea->scene, {&wind, 1}), 10 * second_us, 20 * second_us));
-    const auto held_at = [&](TimeUs time_us) {
-        const auto room = Room::of(1u << 30);
-        PointQuestion question(std::vector<sea::QueryPoint>{{1, 2, time_us}, {3, 4, time_us}});
-        question.sum_exactly(
-            *course, [] { return true; }, *room);
-        EXPECT_FALSE(question.complete());
-        return room->held_bytes();
+    const auto held_at = [&](TimeUs time_us, int questions) {
+        SumsRoom sums(Room::of(1u << 30));
+        std::vector<PointQuestion> all;
+        for (int i = 0; i < questions; ++i) {
+            all.emplace_back(std::vector<sea::QueryPoint>{{1, 2, time_us}, {3, 4, time_us}});
+            all.back().sum_exactly(
+                *course, [] { return true; }, sums);
+            EXPECT_FALSE(all.back().complete());
+        }
+        return sums.room().held_bytes();
     };
-    const std::size_t of_first = held_at(0), of_later = held_at(30 * second_us);
+    const std::size_t of_first = held_at(0, 1), of_later = held_at(30 * second_us, 1);
     EXPECT_GE(of_later, of_first + sea->truth->bytes());
     EXPECT_LT(of_first, sea->truth->bytes()) << "whose sea stays made";
+    EXPECT_EQ(held_at(30 * second_us, 5), of_later + 4 * of_first) << "one sum, kept by all";
+    EXPECT_GE(held_at(15 * second_us, 2), 2 * (of_first + sea->truth->bytes()))
+        << "in a glide each has its own";
 }
 
 // Naive: each fetch holds all its raw keyframes until the last is made: 24 fetches held 6.6 GB.

@@ -64,15 +64,15 @@ TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none)
         const Gate gate(bench);
         bench.now_us += bench.sea->budget.cascades[0].interval_us;
         bench.subscriptions.set(2, {1u, with_foam});
+        bench.simulation->fetch_current(
+            {1u, with_foam}, whole([&](const auto& keyframes) { fetched.set_value(*keyframes); }),
+            someone);
         bench.simulation->fetch(
             {0}, {3u, sea::surface_fields},
             [&](const auto&) {
                 made_at_answer.set_value(bench.simulation->counters().synthesis.keyframes - before);
                 streamed_at_answer.set_value(bench.times(0).size());
             },
-            someone);
-        bench.simulation->fetch_current(
-            {1u, with_foam}, whole([&](const auto& keyframes) { fetched.set_value(*keyframes); }),
             someone);
     }
     // Two slices of the start - one before the look at the new demand, one after it - each 128 ticks
