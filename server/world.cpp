@@ -304,7 +304,7 @@ void World::query(QueryBatch batch, Queried done) {
     asked.z_m = std::move(batch.z_m);
     std::optional<std::uint32_t> counted;
     if (asked.looking != sea::Looking{})
-        counted = felt_cascades(*course_->first()->realization, asked.looking);
+        counted = felt_cascades(*course_, asked.looking);
     simulation_->answer(
         std::move(asked),
         [epoch = course_->window_at(time_us).epoch, counted,

@@ -48,6 +48,13 @@ std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& loo
     return all ? sea::all_cascades : felt;
 }
 
+std::uint32_t felt_cascades(const SeaCourse& course, const sea::Looking& looking) {
+    sea::Looking by = looking;
+    if (course.gives_waves_later())
+        by.min_wavelength_m = 0;
+    return felt_cascades(*course.first()->realization, by);
+}
+
 PointQuestion::PointQuestion(PointsAsked asked, SurfaceUse use, std::uint32_t cascades)
     : asked_(std::move(asked)), use_(use), cascades_(cascades), order_(asked_.points.size()) {
     SEAWAY_CHECK(asked_.z_m.empty() || asked_.z_m.size() == asked_.points.size(),

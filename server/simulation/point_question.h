@@ -50,6 +50,9 @@ struct PointsAnswered {
 /// have the same ones.
 std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& looking);
 
+/// The same of all seas of a course: what is not known yet is felt.
+std::uint32_t felt_cascades(const SeaCourse& course, const sea::Looking& looking);
+
 class PointQuestion {
   public:
     /// `cascades`: which of them count.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -34,6 +35,12 @@ template <class Sea>
 Sea made(Result<Sea> sea) {
     SEAWAY_CHECK(sea.has_value(), "a sea that was checked when it was added can be made");
     return *std::move(sea);
+}
+
+bool gives_waves(const sea::SeaState& sea) {
+    return std::ranges::any_of(sea.systems, [](const sea::WaveSystem& system) {
+        return std::holds_alternative<sea::ExplicitModes>(system);
+    });
 }
 
 } // namespace
@@ -129,6 +136,10 @@ void SeaCourse::append(std::vector<Change> changes) {
     }
     for (std::size_t i = before; i < changes_.size(); ++i)
         begin_epochs(i);
+    gives_waves_later_ =
+        gives_waves_later_ ||
+        std::any_of(changes_.begin() + static_cast<std::ptrdiff_t>(before), changes_.end(),
+                    [](const Change& change) { return gives_waves(change.scene.sea); });
 }
 
 void SeaCourse::begin_epochs(std::size_t number) {

@@ -88,6 +88,9 @@ class SeaCourse {
     /// It is the steady sea behind a change, whose glide is the epoch before.
     static bool ends_a_glide(std::uint32_t epoch) { return epoch > 1 && !is_glide(epoch); }
 
+    /// A change has waves given by hand, which need not keep to the bands that all seas of the course share.
+    bool gives_waves_later() const { return gives_waves_later_; }
+
     /// How many glides hang together at this time, each having taken over from the one before; 0: the sea is steady.
     int glides_in_row(sea::TimeUs time_us) const;
 
@@ -144,6 +147,7 @@ class SeaCourse {
     mutable std::mutex making_; ///< one sea is made at a time
     mutable std::atomic<bool> is_making_ = false;
     mutable std::atomic<std::uint64_t> seas_made_ = 0;
+    std::atomic<bool> gives_waves_later_ = false;
     mutable CoursePhases phases_;
     mutable std::mutex mutex_;   ///< of what follows
     std::deque<Change> changes_; ///< each stays where it is and as it is

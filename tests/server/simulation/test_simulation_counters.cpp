@@ -80,6 +80,21 @@ TEST(SimulationCounters, a_wave_given_by_hand_is_felt_by_who_feels_its_length) {
     EXPECT_FALSE(felt_cascades(*sea->realization, {.min_wavelength_m = 1.01 * length_m}) & 2u);
 }
 
+// Naive: by the sea that the course began with.
+TEST(SimulationCounters, waves_that_a_change_gives_by_hand_are_felt_by_who_feels_their_length) {
+    Bench bench;
+    const double length_m = bench.sea->realization->cascades[1].spec.length_m;
+    const sea::Looking looking{.min_wavelength_m = 0.99 * length_m};
+    EXPECT_FALSE(felt_cascades(*bench.course, looking) & 2u);
+    sea::Scene given = bench.sea->scene;
+    given.sea.systems.push_back(
+        sea::ExplicitModes{.length_m = length_m, .modes = {{1, 0, 2.0, 0.0}}});
+    ASSERT_TRUE(bench.course->add(given, 10 * second_us, 20 * second_us));
+    EXPECT_TRUE(felt_cascades(*bench.course, looking) & 2u);
+    EXPECT_EQ(felt_cascades(*bench.course, {.cascades = 1, .min_wavelength_m = 1.0}), 1u)
+        << "of which others were told to be left out stay so";
+}
+
 TEST(SimulationCounters,
      waves_that_nobody_feels_are_not_made_and_two_filters_share_what_they_feel) {
     Bench bench;
