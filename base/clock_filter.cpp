@@ -26,10 +26,29 @@ void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_tim
     // Unsigned: a difference of any two times wraps instead of overflowing.
     const auto offset_us = static_cast<LocalUs>(static_cast<std::uint64_t>(sea_time_us) -
                                                 static_cast<std::uint64_t>(middle_us));
-    window_.push_back({middle_us, round_trip_us, offset_us});
+    const Sample sample{middle_us, round_trip_us, offset_us};
+    if (shows_a_step(sample))
+        window_.clear();
+    window_.push_back(sample);
     while (window_.size() > samples_max || window_.front().middle_us < middle_us - window_us)
         window_.pop_front();
     estimate();
+}
+
+bool ClockFilter::shows_a_step(const Sample& sample) const {
+    if (!synchronised())
+        return false;
+    const double off_us = static_cast<double>(sample.offset_us) - static_cast<double>(base_us_) -
+                          target_offset_us(sample.middle_us);
+    return std::abs(off_us) >
+           0.5 * static_cast<double>(sample.round_trip_us) + error_us(sample.middle_us) + step_us;
+}
+
+double ClockFilter::error_us(LocalUs local_us) const {
+    const LocalUs unheard_us =
+        std::max<LocalUs>(local_us - window_.back().middle_us - silence_us, 0);
+    return 0.5 * static_cast<double>(best_round_trip_us_) + scatter_us_ +
+           drift_unheard * static_cast<double>(unheard_us);
 }
 
 void ClockFilter::estimate() {
@@ -118,10 +137,7 @@ ClockStatus ClockFilter::status(LocalUs local_us) const {
     status.drift_ppm = slope_ * 1e6;
     status.slew_us = shown_any_ ? target_us - shown_offset_us_ : 0;
     status.round_trip_us = best_round_trip_us_;
-    const LocalUs unheard_us =
-        std::max<LocalUs>(local_us - window_.back().middle_us - silence_us, 0);
-    status.error_us = 0.5 * static_cast<double>(best_round_trip_us_) + scatter_us_ +
-                      drift_unheard * static_cast<double>(unheard_us);
+    status.error_us = error_us(local_us);
     return status;
 }
 

@@ -44,7 +44,8 @@ class ClockFilter {
     static constexpr LocalUs silence_us = 2'000'000;
 
     /// A reply: sent and received in local time, and the sea time that the server wrote into it.
-    /// A reply that came before it was sent is ignored.
+    /// A reply that came before it was sent is ignored. One that no path explains shows that a clock was set, or stood while
+    /// its machine slept: what came before counts no more.
     void add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us);
 
     /// Another server of the same time answers from now on: what was shown goes on from there, slewed. At least one
@@ -69,6 +70,8 @@ class ClockFilter {
     };
 
     void estimate();
+    bool shows_a_step(const Sample& sample) const;
+    double error_us(LocalUs local_us) const;
     double target_offset_us(LocalUs local_us) const;
 
     std::deque<Sample> window_;

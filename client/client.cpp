@@ -16,9 +16,6 @@ using sea::TimeUs;
 
 namespace {
 
-/// Sea states that are kept: the running one, those announced, and some of times that were asked about.
-constexpr std::size_t sea_states_max = 32;
-
 /// A later epoch takes over from those that were to begin when it does, or after.
 bool is_overtaken(const SeaState& state, std::span<const SeaStatePtr> by) {
     return std::ranges::any_of(by, [&state](const SeaStatePtr& other) {
@@ -63,10 +60,8 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
                              [](const SeaStatePtr& a, const SeaStatePtr& b) {
                                  return a->start_time_us < b->start_time_us;
                              });
-            if (sea_states_.size() > sea_states_max) {
-                forget_waves(sea_states_.front()->epoch);
-                sea_states_.erase(sea_states_.begin());
-            }
+            if (sea_states_.size() > protocol::limits::sea_states_held)
+                forget_furthest_state();
         }
         if (events_.on_sea_state)
             events_.on_sea_state(state);
@@ -202,6 +197,17 @@ std::optional<Grant> Client::grant() const {
 SeaStatePtr Client::sea_state(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
     return sea_state_held(time_us);
+}
+
+// At one end, so that none in between takes the times of another.
+void Client::forget_furthest_state() {
+    const auto away_us = [this](const SeaStatePtr& state) { // nothing may have been heard yet
+        return std::abs(static_cast<double>(state->start_time_us) - static_cast<double>(heard_us_));
+    };
+    const bool last = away_us(sea_states_.back()) > away_us(sea_states_[1]); // which ends the first
+    const auto gone = last ? std::prev(sea_states_.end()) : sea_states_.begin();
+    forget_waves((*gone)->epoch);
+    sea_states_.erase(gone);
 }
 
 SeaStatePtr Client::sea_state_held(TimeUs time_us) const {

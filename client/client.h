@@ -298,7 +298,8 @@ class Client {
                     std::span<sea::ErrorTerms> terms = {}) const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
-    void mark(const Unheard& unheard, std::span<const sea::QueryPoint> points,
+    /// By the earliest beginning of those that contain it.
+    void mark(std::span<const Unheard> unheard, std::span<const sea::QueryPoint> points,
               std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {}) const;
     /// Bound on what now_us() is off by.
     sea::TimeUs now_error_us() const;
@@ -338,6 +339,8 @@ class Client {
     /// mutex_ held. Of now, by the estimate alone.
     sea::TimeUs sea_time_held() const;
     SeaStatePtr sea_state_held(sea::TimeUs time_us) const;
+    /// mutex_ held. From now, of those that are held: the first or the last.
+    void forget_furthest_state();
     void take_waves(ConnectionEvents& events);
     void forget_waves(std::uint32_t epoch); ///< mutex_ held
     /// The sea that runs at a time, its waves if they are here, and until when it does.

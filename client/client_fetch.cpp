@@ -169,7 +169,10 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
     }
     SEAWAY_TRY(fetch(missing, fields, timeout_s));
     // What only passed by stays from here on, and the oldest of the ring is put back where it made room.
-    wanted.give_to(ring_, fields);
+    {
+        const std::scoped_lock lock(mutex_); // a sea may be forgotten meanwhile, on another thread
+        wanted.give_to(ring_, fields);
+    }
     return seas_are(expected);
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: how it connects, loses its connection and comes back (decision 0045).
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <new>
 
 #include <fmt/format.h>
@@ -272,7 +274,8 @@ void Client::join(Joining& joining, const SeaState& state) {
         forget_sea();
     } else if (!first) {
         if (std::ranges::find(sea_states_, state.epoch, &SeaState::epoch) == sea_states_.end())
-            missed_ = {std::min(missed_.from_us, heard_us_),
+            missed_ = {heard_us_ <= missed_.until_us ? std::min(missed_.from_us, heard_us_)
+                                                     : heard_us_, // long after that
                        std::max(heard_us_, state.start_time_us)};
         clock_.begin_anew();
     }
@@ -325,13 +328,13 @@ bool Client::silent(LocalUs now_us) const {
 
 bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
                         std::span<sea::ErrorTerms> terms) const {
-    Unheard unheard;
+    std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
     bool nothing_comes = false;
     {
         const std::scoped_lock lock(mutex_);
-        unheard = missed_;
+        unheard[0] = missed_;
         if (silent(local_now_us()))
-            unheard = {std::min(missed_.from_us, heard_us_)};
+            unheard[1] = {heard_us_};
         nothing_comes = resuming_ || joining_->end;
     }
     if (nothing_comes && std::ranges::any_of(answers, [](const sea::Answer& answer) {
@@ -351,19 +354,23 @@ void Client::mark_unsure(std::span<const sea::QueryPoint> points,
             return;
         unheard.from_us = heard_us_;
     }
-    mark(unheard, points, answers);
+    mark({&unheard, 1}, points, answers);
 }
 
-void Client::mark(const Unheard& unheard, std::span<const sea::QueryPoint> points,
+void Client::mark(std::span<const Unheard> unheard, std::span<const sea::QueryPoint> points,
                   std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms) const {
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!unheard.contains(points[i].time_us))
+        TimeUs from_us = std::numeric_limits<TimeUs>::max();
+        for (const Unheard& span : unheard)
+            if (span.contains(points[i].time_us))
+                from_us = std::min(from_us, span.from_us);
+        if (from_us == std::numeric_limits<TimeUs>::max())
             continue;
         answers[i].flags |= sea::answer_stale;
         if (answers[i].flags & sea::answer_invalid)
             continue;
         const double stale_m =
-            stale_error_m(*sea_state(points[i].time_us), unheard.from_us, points[i].time_us);
+            stale_error_m(*sea_state(points[i].time_us), from_us, points[i].time_us);
         answers[i].error_m += stale_m;
         if (!terms.empty())
             terms[i].stale_m = stale_m;

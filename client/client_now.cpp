@@ -13,10 +13,18 @@ using sea::Answer;
 using sea::QueryPoint;
 using sea::TimeUs;
 
+namespace {
+
+/// Moments that are asked about later than now: of a reply that was under way, of an estimate's other end, of a server that was
+/// not sure of its sea for a while.
+constexpr TimeUs paces_kept_us = 3'600'000'000;
+
+} // namespace
+
 TimeUs Client::now_us() {
     const std::scoped_lock lock(mutex_);
     const TimeUs elapsed_us = clock_.now(local_now_us());
-    paces_.forget_before(elapsed_us);
+    paces_.forget_before(elapsed_us - paces_kept_us);
     // A pace that was heard of late changes what follows, not what was shown.
     shown_us_ = std::max(shown_us_, paces_.sea_time(elapsed_us));
     return shown_us_;

@@ -68,6 +68,10 @@ inline constexpr std::uint32_t spectrum_chunks_max = 4096;
 
 /// Spectra at once: of the sea that runs, of the one that it comes from and of those that were announced.
 inline constexpr std::uint32_t spectra_max = 4;
+/// Sea states that a server takes a client to know still, of those that it was told last; clients hold more, and so never lack
+/// one whose tiles come: twice a timetable.
+inline constexpr std::size_t sea_states_told = 64;
+inline constexpr std::size_t sea_states_held = 256;
 
 /// Bound on a slope that a SubscribeSpectrum may wish for: what is as coarse says nothing.
 inline constexpr float slope_error_max = 10.0f;

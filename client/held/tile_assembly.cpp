@@ -124,6 +124,7 @@ Result<void> TileAssembly::begin_map(Pending& pending, const TileHeader& header)
     map.values.resize(area(header.size, header.size));
     map.size = header.size;
     map.parts = header.parts;
+    map.follows = header.follows;
     return {};
 }
 
@@ -141,6 +142,8 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
     if (header.parts != map.parts)
         return bad_tile(header,
                         fmt::format("{} parts, the map began with {}", header.parts, map.parts));
+    if (header.follows != map.follows)
+        return bad_tile(header, "other fields follow from it than its first part said");
     const std::uint64_t part_bit = std::uint64_t{1} << header.part;
     if ((map.parts_seen & part_bit) != 0)
         return {}; // the copy of another delivery
@@ -168,7 +171,7 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
     if (map.samples_seen != map.values.size())
         return bad_tile(header, "its parts do not cover the map");
     pending.received.insert(header.field);
-    pending.follows |= header.follows & sea::following(header.field);
+    pending.follows |= map.follows & sea::following(header.field);
     if (header.base != 0 && Predictions::fields.contains(header.field) &&
         pending.received.contains(Predictions::fields))
         keep_as_base(pending, header);

@@ -70,6 +70,7 @@ class TileAssembly {
         std::size_t samples_seen = 0;
         int parts = 0;
         float error = 0;
+        sea::FieldSet follows; ///< as its first part said
     };
     struct Pending {
         protocol::TileHeader header; ///< of its first part

@@ -31,9 +31,6 @@ std::int64_t pause_after_ping_us(std::uint32_t pings_sent) {
     return pings_sent <= filling_pings ? filling_ping_interval_us : ping_interval_us;
 }
 
-/// Seas that tiles can still arrive for.
-constexpr std::size_t sea_states_kept = 32;
-
 /// Keyframes of both may be sampled together.
 bool same_maps(const SeaState& a, const SeaState& b) {
     return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
@@ -192,7 +189,7 @@ Result<void> Connection::take(const wire::SeaState& state) {
     std::erase_if(sea_states_,
                   [&](const SeaStatePtr& held) { return held->epoch == value->epoch; });
     sea_states_.push_back(value);
-    if (sea_states_.size() > sea_states_kept)
+    if (sea_states_.size() > protocol::limits::sea_states_held)
         sea_states_.erase(sea_states_.begin());
     if (events_.on_sea_state)
         events_.on_sea_state(value);
@@ -202,11 +199,13 @@ Result<void> Connection::take(const wire::SeaState& state) {
     return {};
 }
 
-SeaStatePtr Connection::sea_state(std::uint32_t epoch) const {
-    const auto found =
-        std::find_if(sea_states_.rbegin(), sea_states_.rend(),
-                     [&](const SeaStatePtr& state) { return state->epoch == epoch; });
-    return found == sea_states_.rend() ? nullptr : *found;
+SeaStatePtr Connection::sea_state(std::uint32_t epoch) {
+    const auto found = std::ranges::find(sea_states_, epoch, &SeaState::epoch);
+    if (found == sea_states_.end())
+        return nullptr;
+    // The running one is told once, and used all the time.
+    std::rotate(found, found + 1, sea_states_.end());
+    return sea_states_.back();
 }
 
 Result<void> Connection::take(const wire::Subscribed& subscribed) {

@@ -189,7 +189,7 @@ class Connection {
     void subscribe_unpredicted();
     /// Ends the connection where it cannot be sent.
     void send_ack(std::optional<protocol::Bytes> ack);
-    SeaStatePtr sea_state(std::uint32_t epoch) const;
+    SeaStatePtr sea_state(std::uint32_t epoch);
 
     const ConnectionEvents events_;
     std::atomic<bool> open_ = false;
@@ -213,7 +213,7 @@ class Connection {
 
     // Of the connection's thread alone, but for assembly_.dropped().
     protocol::MessageReader reader_{protocol::Sender::server};
-    std::vector<SeaStatePtr> sea_states_; ///< the newest few
+    std::vector<SeaStatePtr> sea_states_; ///< used last: at the back
     std::int64_t next_ping_us_ = 0;
     std::uint32_t pings_ = 0;
     std::int64_t hello_sent_us_ = 0;

@@ -330,7 +330,7 @@ void Session::announce(protocol::SharedBytes sea_state) {
         return;
     or_drop([&] { // others are told all the same
         told_.push_back(sea_state);
-        if (told_.size() > told_kept)
+        if (told_.size() > protocol::limits::sea_states_told)
             told_.pop_front();
         if (!outbox_.push_durable(std::move(sea_state)))
             return close(ErrorCode::too_slow, "sea states wait and cannot be sent");

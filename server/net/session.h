@@ -170,10 +170,9 @@ class Session {
     std::vector<std::uint32_t> spectra_sent_; ///< epochs, since the wish; the newest few
     std::optional<std::chrono::steady_clock::time_point> spectra_owed_; ///< not before then
     int changes_in_flight_ = 0;
-    int journal_reads_ = 0;                      ///< asked for and not told
-    std::string client_;                         ///< its name, printable
-    static constexpr std::size_t told_kept = 64; ///< of older ones it is told again
-    std::deque<protocol::SharedBytes> told_;     ///< sea states
+    int journal_reads_ = 0;                  ///< asked for and not told
+    std::string client_;                     ///< its name, printable
+    std::deque<protocol::SharedBytes> told_; ///< sea states
     std::uint64_t messages_sent_ = 0;
     std::uint64_t bytes_sent_ = 0;
     std::chrono::steady_clock::time_point opened_ = std::chrono::steady_clock::now();

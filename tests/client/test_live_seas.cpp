@@ -56,13 +56,18 @@ TEST_F(LiveSeas, each_runs_from_its_start_to_the_start_of_the_next_in_whatever_o
     announce(11, 150); // said again: it starts earlier than was said before
     EXPECT_EQ(epoch_at(149), 10u);
     EXPECT_EQ(epoch_at(150), 11u);
-    for (std::uint32_t epoch = 12; epoch < 41; ++epoch)
+    constexpr auto end = static_cast<std::uint32_t>(12 + protocol::limits::sea_states_held - 3);
+    for (std::uint32_t epoch = 12; epoch < end; ++epoch)
         announce(epoch, 100 * epoch);
-    EXPECT_EQ(epoch_at(0), 3u) << "thirty-two are known";
-    announce(41, 4100);
-    EXPECT_EQ(epoch_at(0), 10u) << "the oldest of thirty-three is forgotten";
-    EXPECT_EQ(epoch_at(4099), 40u);
-    EXPECT_EQ(epoch_at(4100), 41u);
+    EXPECT_EQ(epoch_at(0), 3u) << "so many are known";
+    announce(end, 100 * end);
+    EXPECT_EQ(epoch_at(0), 10u) << "of one more the furthest from now is forgotten";
+    EXPECT_EQ(epoch_at(100 * end - 1), end - 1);
+    EXPECT_EQ(epoch_at(100 * end), end);
+    constexpr sea::TimeUs century_us = 3'155'760'000'000'000;
+    announce(end + 1, century_us);
+    EXPECT_EQ(epoch_at(century_us), end) << "and that may be the last one";
+    EXPECT_EQ(epoch_at(150), 11u);
 }
 
 // Naive: in order of their starts, one that was to come later takes over from the one that took over from it.

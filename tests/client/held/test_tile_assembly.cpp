@@ -244,6 +244,10 @@ TEST(TileAssembly, bytes_that_make_no_sense_are_errors) {
     part = parts[1];
     part.payload.resize(part.payload.size() / 2);
     says(part, "tile of height");
+    // Naive: what follows is looked at in the first part alone, and taken from the last: on a grid that nothing can be made of.
+    part = parts[1];
+    part.header.follows = {Field::displacement_x};
+    says(part, "other fields follow");
 }
 
 TEST(TileAssembly, parts_that_leave_a_hole_or_overfill_the_map_are_errors) {

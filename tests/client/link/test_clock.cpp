@@ -46,6 +46,32 @@ TEST(Clock, shows_the_first_sample_at_once) {
     EXPECT_DOUBLE_EQ(clock.status(2500).error_us, 1000);
 }
 
+// Naive: samples from before and after are mixed for a minute, and the error is said to be milliseconds: after a machine has slept,
+// or a server that had has leapt to UTC.
+TEST(Clock, a_step_of_either_clock_is_taken_at_once_and_jitter_is_none) {
+    for (const double step_us : {12e6, -12e6, 300e6, 0.0}) {
+        Link link{.queue_mean_us = 8000};
+        ClockFilter clock;
+        LocalUs now_us = 0;
+        for (; now_us < 70 * second_us; now_us += second_us)
+            link.ping(clock, now_us);
+        const int before = clock.status(now_us).samples;
+        link.offset_us += step_us;
+        link.ping(clock, now_us);
+        now_us += second_us / 10;
+        const ClockStatus after = clock.status(now_us);
+        EXPECT_EQ(after.samples == 1, step_us != 0) << before;
+        EXPECT_LE(std::abs(after.offset_us - link.offset_us), after.error_us + 1) << step_us;
+        if (step_us > 0) { // back it is slewed, as what was shown never runs back
+            EXPECT_NEAR(static_cast<double>(clock.now(now_us)),
+                        static_cast<double>(link.sea_time(now_us)), after.error_us + 1);
+        }
+        for (int i = 0; i < 20; ++i, now_us += second_us)
+            link.ping(clock, now_us);
+        EXPECT_GT(clock.status(now_us).samples, 20) << "one step";
+    }
+}
+
 // Reference: 0.8-1.2 ms rms, 2.5 ms at the 99th percentile over a 40 ms link (codec_transport C2).
 TEST(Clock, h1_drift_of_100_ppm_and_one_sided_queueing_leave_less_than_3_ms) {
     Link link{.drift_ppm = 100, .queue_mean_us = 8000};

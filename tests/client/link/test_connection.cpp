@@ -312,26 +312,30 @@ TEST_F(ConnectionTest, pings_come_in_a_burst_of_nine_then_ten_and_after_four_sec
         EXPECT_EQ(nonces[i], i + 1);
 }
 
-// Tiles of the sea before may still be on their way; of thirty-three seas the oldest is forgotten.
-TEST_F(ConnectionTest, tiles_of_the_last_thirty_two_seas_are_taken_and_of_no_earlier_one) {
+// Tiles of the sea before may still be on their way, and the one that runs is told of once: the sea that was not used for the
+// longest time is forgotten.
+TEST_F(ConnectionTest, tiles_of_the_seas_used_last_are_taken_and_of_no_earlier_one) {
     const auto connection = open();
     ASSERT_TRUE(connection);
-    for (std::uint32_t epoch = 2; epoch <= 32; ++epoch) {
+    constexpr auto held = static_cast<std::uint32_t>(protocol::limits::sea_states_held);
+    const auto tell = [&](std::uint32_t epoch) {
         protocol::SeaStateValues state;
         state.epoch = epoch;
         state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
         server.send(protocol::sea_state(state));
+    };
+    for (std::uint32_t epoch = 2; epoch <= held; ++epoch) {
+        tell(epoch);
         server.send(tile(epoch, sea::Field::height, 1));
-        EXPECT_TRUE((*connection)->is_open()) << epoch << ": the first is one of thirty-two";
+        ASSERT_TRUE((*connection)->is_open()) << epoch << ": the first one runs";
     }
-    protocol::SeaStateValues one_more;
-    one_more.epoch = 33;
-    one_more.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
-    server.send(protocol::sea_state(one_more));
-    server.send(tile(200, sea::Field::height, 2));
-    EXPECT_TRUE((*connection)->is_open());
-    server.send(tile(201, sea::Field::height, 1));
-    EXPECT_NE(server.closed_because.find("epoch 1"), std::string::npos) << server.closed_because;
+    server.send(tile(1000, sea::Field::height, 2));
+    tell(held + 1);
+    for (const std::uint32_t epoch : {1u, 2u, held + 1})
+        server.send(tile(1000 + epoch, sea::Field::height, epoch));
+    EXPECT_TRUE((*connection)->is_open()) << server.closed_because;
+    server.send(tile(2000, sea::Field::height, 3));
+    EXPECT_NE(server.closed_because.find("epoch 3"), std::string::npos) << server.closed_because;
 }
 
 TEST_F(ConnectionTest, an_answer_of_the_wrong_length_fails_its_query_alone) {
