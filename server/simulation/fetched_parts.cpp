@@ -24,7 +24,8 @@ Hand FetchedParts::hand() {
     if (between && !complete() && !seas_of_times_[next_].empty() && seas_->are_there() &&
         !course_.sea_if_held(epoch()))
         seas_.emplace(course_, seas_of_times_[next_], demand_.fields);
-    return seas_->are_there() ? Hand::simulation : Hand::answers;
+    turn_ = seas_->are_there() ? Hand::simulation : Hand::answers;
+    return turn_;
 }
 
 void FetchedParts::begin() {

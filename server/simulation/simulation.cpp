@@ -238,8 +238,8 @@ void Simulation::answer_at_once(Question question, const std::function<bool()>& 
     at_once_.take(1e6 * (steady_seconds() - start_s));
 }
 
-bool Simulation::work_on(KeyframeJob& job, const std::function<FetchedKeyframes()>& take,
-                         const Fetched& done) {
+template <class Parts>
+bool Simulation::work_on(KeyframeJob& job, Parts& parts, const Fetched& done) {
     const Result<bool> made = source_.work_on(job);
     if (!made) {
         done(made.error());
@@ -247,8 +247,9 @@ bool Simulation::work_on(KeyframeJob& job, const std::function<FetchedKeyframes(
     }
     if (!*made)
         return false;
-    FetchedKeyframes part = take();
-    const bool last = part.last;
+    FetchedKeyframes part{parts.take()};
+    const bool last = parts.complete();
+    part.last = last;
     done(std::move(part));
     return last;
 }
@@ -260,49 +261,35 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
             return done(fine.error());
     const double price_us = prices_.fetch_us(times_us, demand, holding());
     auto parts = std::make_shared<FetchedParts>(*course_, times_us, demand, fetch_room_);
-    const auto take = [parts] {
-        FetchedKeyframes part{parts->take()};
-        part.last = parts->complete();
-        return part;
+    const auto slice = [this, parts, done] {
+        if (parts->turn() == Hand::answers) {
+            parts->make_some_sea();
+            return false;
+        }
+        // A sea that was let go while this waited in line is not made here, where the stream is.
+        return parts->hand() == Hand::simulation && work_on(parts->job(), *parts, done);
     };
-    Question question{.slice =
-                          [this, parts, take, done] {
-                              if (parts->hand() == Hand::simulation)
-                                  return work_on(parts->job(), take, done);
-                              parts->make_some_sea();
-                              return false;
-                          },
-                      .refuse = done,
-                      .asker = asker,
-                      .ready = [parts] { return !parts->waits(); },
-                      .hand = [parts] { return parts->hand(); }};
-    question.price_us = price_us;
-    question.prompt = price_us <= prices_.prompt_us();
-    ask(std::move(question));
+    ask({.slice = slice,
+         .refuse = done,
+         .asker = asker,
+         .ready = [parts] { return !parts->waits(); },
+         .hand = [parts] { return parts->hand(); },
+         .price_us = price_us,
+         .prompt = price_us <= prices_.prompt_us()});
 }
 
 void Simulation::fetch_current(const Demand& demand, Fetched done, const Asker& asker) {
     // Has no price of its own: it is what a subscription begins with, and mostly held.
     auto job = std::make_shared<std::optional<KeyframeJob>>();
-    const auto take = [job] {
-        FetchedKeyframes part{(*job)->take()};
-        part.last = (*job)->complete();
-        return part;
+    const auto slice = [this, job, demand, done] {
+        if (!*job)
+            job->emplace(schedule_.current(demand, clock_.now()), Walk::starts, fetch_room_);
+        return work_on(**job, **job, done);
     };
-    Question question{
-        .slice =
-            [this, job, take, demand, done] {
-                if (!*job)
-                    job->emplace(schedule_.current(demand, clock_.now()), Walk::starts,
-                                 fetch_room_);
-                return work_on(**job, take, done);
-            },
-        .refuse = done,
-        .asker = asker,
-        .ready = [this, job,
-                  demand] { return !streamed_foam_.starts(demand) && !(*job && (*job)->waits()); }};
-    question.prompt = true;
-    ask(std::move(question));
+    const auto ready = [this, job, demand] {
+        return !streamed_foam_.starts(demand) && !(*job && (*job)->waits());
+    };
+    ask({.slice = slice, .refuse = done, .asker = asker, .ready = ready, .prompt = true});
 }
 
 void Simulation::answer(PointsAsked asked, Answered done, const Asker& asker) {

@@ -201,9 +201,9 @@ class Simulation {
     /// Splines, and keyframes that nobody streams, of a time that somebody is going to ask about.
     void make_ready(sea::TimeUs time_us);
     Question surface_question(std::shared_ptr<SurfaceJob> job, Surfaced done, const Asker& asker);
-    /// A slice of a job whose parts go to `done` as they are made; true: it is over.
-    bool work_on(KeyframeJob& job, const std::function<FetchedKeyframes()>& take,
-                 const Fetched& done);
+    /// A slice of a job, whose parts, which `parts` has, go to `done` as they are made; true: it is over.
+    template <class Parts>
+    bool work_on(KeyframeJob& job, Parts& parts, const Fetched& done);
 
     const SeaCoursePtr course_;
     const Subscriptions& subscriptions_;

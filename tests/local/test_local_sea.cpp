@@ -14,6 +14,7 @@
 #include "server/device/native_synthesizer.h"
 #include "server/simulation/schedule.h"
 #include "tests/gpu/device_for_tests.h"
+#include "tests/gpu/read_in_place.h"
 #include "tests/local/local_scenes.h"
 
 namespace seaway::local {
@@ -75,8 +76,8 @@ class LocalSeaTest : public testing::TestWithParam<bool> {
             gpu::Device::create({.validation = true, .staged = GetParam()});
         ASSERT_TRUE(made) << made.error().message;
         device_ = std::move(*made);
-        if (!GetParam() && !device_->unified_memory())
-            GTEST_SKIP() << "a processor does not read this device's memory in place";
+        if (!GetParam() && !gpu::reads_in_place(*device_))
+            GTEST_SKIP() << gpu::not_in_place;
         ASSERT_EQ(device_->unified_memory(), !GetParam());
     }
     void TearDown() override {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "gpu/call.h"
-#include "gpu/device.h"
 #include "server/device/spare_buffers.h"
 #include "server/device/vulkan_synthesizer.h"
+#include "tests/gpu/read_in_place.h"
 #include "tests/server/device/random_sea.h"
 
 namespace seaway::server {
@@ -25,8 +25,8 @@ const FieldSet fields{Field::height, Field::displacement_x, Field::displacement_
 class HeldMaps : public testing::Test {
   protected:
     void SetUp() override {
-        if (!gpu::Device::create({}).value()->unified_memory())
-            GTEST_SKIP() << "a processor does not read this device's memory in place";
+        if (!gpu::reads_in_place())
+            GTEST_SKIP() << gpu::not_in_place;
     }
     /// A device whose keyframes may hold so many maps of 64 x 64.
     void make(std::size_t maps, bool staged = false) {

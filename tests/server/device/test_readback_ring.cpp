@@ -9,6 +9,7 @@
 
 #include "gpu/call.h"
 #include "server/device/vulkan_synthesizer.h"
+#include "tests/gpu/read_in_place.h"
 #include "tests/server/device/random_sea.h"
 
 namespace seaway::server {
@@ -66,7 +67,6 @@ class ReadbackRing : public testing::Test {
     }
 
     RandomSea random_{64, 200.0, 1, {1.1, 0.9}};
-    bool in_place_ = gpu::Device::create({}).value()->unified_memory();
     /// A GPU's time stamps are read, once a run.
     std::uint64_t stamps_ = gpu::Device::create({}).value()->info().is_cpu() ? 0 : 1;
     std::unique_ptr<VulkanSynthesizer> ring_ = device_of(random_.realization(), true);
@@ -140,8 +140,8 @@ TEST_F(ReadbackRing, a_reader_that_holds_keyframes_costs_their_memory_and_no_pla
 }
 
 TEST_F(ReadbackRing, where_memory_is_read_in_place_nothing_travels) {
-    if (!in_place_)
-        GTEST_SKIP() << "a processor does not read this device's memory in place";
+    if (!gpu::reads_in_place())
+        GTEST_SKIP() << gpu::not_in_place;
     const SynthesisCounters before = plain_->counters();
     ASSERT_TRUE(plain_->synthesize(series(4 * jobs_a_run)));
     const SynthesisCounters counts = plain_->counters() - before;

@@ -11,6 +11,7 @@
 #include "base/worse.h"
 #include "gpu/call.h"
 #include "server/device/vulkan_synthesizer.h"
+#include "tests/gpu/read_in_place.h"
 #include "tests/server/device/random_sea.h"
 
 namespace seaway::server {
@@ -175,8 +176,8 @@ TEST_F(RoundedReadback, foam_that_the_caller_fills_is_not_looked_at) {
 }
 
 TEST_F(RoundedReadback, where_memory_is_read_in_place_nothing_is_rounded) {
-    if (!gpu::Device::create({}).value()->unified_memory())
-        GTEST_SKIP() << "a processor does not read this device's memory in place";
+    if (!gpu::reads_in_place())
+        GTEST_SKIP() << gpu::not_in_place;
     const auto plain = make_vulkan_synthesizer({.validation = true}).value();
     ASSERT_TRUE(plain->set_sea(random_.realization(), 1));
     const auto keyframe = plain->synthesize(requests(1, bounds)).value()[0];
