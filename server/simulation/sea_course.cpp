@@ -220,12 +220,12 @@ RunningSeaPtr SeaCourse::made_with(std::unique_lock<std::mutex> turn, std::uint3
 }
 
 void SeaCourse::when_made(std::function<void()> call) const {
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock lock(telling_);
     when_made_ = std::move(call);
 }
 
 void SeaCourse::tell_made() const {
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock lock(telling_);
     if (when_made_)
         when_made_();
 }

@@ -156,6 +156,8 @@ class SeaCourse {
     mutable std::deque<RunningSeaPtr> kept_; ///< asked for last: at the back
     mutable std::map<std::uint32_t, std::weak_ptr<const RunningSea>>
         alive_; ///< somebody holds them
+    /// Of when_made_, alone: whoever is called may hold a lock under which others ask this course.
+    mutable std::mutex telling_;
     mutable std::function<void()> when_made_;
 };
 
