@@ -56,5 +56,21 @@ TEST(FetchedParts, times_in_any_order_and_twice_are_each_seas_keyframes_once) {
     EXPECT_TRUE(bench.fetch({}, {1u, {Field::height}}).value().empty());
 }
 
+// Naive: the course calls under its own lock. Questions are woken under theirs, under which a fetch asks the course whose turn
+// it is: each would wait for the other.
+TEST(FetchedParts, whoever_hears_that_a_sea_was_made_may_ask_the_course) {
+    const auto course = course_with(1);
+    FetchedParts parts(*course, {65 * second_us}, some, nullptr);
+    int told = 0;
+    course->when_made([&] {
+        ++told;
+        EXPECT_EQ(parts.hand(), Hand::answers) << "it is counted when this returns";
+    });
+    parts.make_some_sea();
+    course->when_made(nullptr);
+    EXPECT_EQ(told, 1);
+    EXPECT_EQ(parts.hand(), Hand::simulation);
+}
+
 } // namespace
 } // namespace seaway::server
