@@ -64,6 +64,7 @@ TEST(FetchedParts, whoever_hears_that_a_sea_was_made_may_ask_the_course) {
     int told = 0;
     course->when_made([&] {
         ++told;
+        EXPECT_EQ(course->window_at(65 * second_us).epoch, 2u);
         EXPECT_EQ(parts.hand(), Hand::answers) << "it is counted when this returns";
     });
     parts.make_some_sea();
