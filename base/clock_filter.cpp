@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/check.h"
 
@@ -15,6 +16,13 @@ constexpr LocalUs slope_span_us = 10'000'000;
 constexpr double slope_max = 500e-6;
 /// The kept share of few samples is at least this many.
 constexpr std::size_t kept_min = 3;
+/// Times are whole microseconds.
+constexpr double rounding_us = 1;
+
+/// The difference of any two times wraps instead of overflowing.
+LocalUs difference(std::int64_t a, std::int64_t b) {
+    return static_cast<LocalUs>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
+}
 
 } // namespace
 
@@ -23,32 +31,30 @@ void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_tim
         return;
     const LocalUs round_trip_us = received_us - sent_us;
     const LocalUs middle_us = sent_us + round_trip_us / 2;
-    // Unsigned: a difference of any two times wraps instead of overflowing.
-    const auto offset_us = static_cast<LocalUs>(static_cast<std::uint64_t>(sea_time_us) -
-                                                static_cast<std::uint64_t>(middle_us));
-    const Sample sample{middle_us, round_trip_us, offset_us};
-    if (shows_a_step(sample))
-        window_.clear();
-    window_.push_back(sample);
+    window_.push_back({middle_us, round_trip_us, difference(sea_time_us, middle_us)});
     while (window_.size() > samples_max || window_.front().middle_us < middle_us - window_us)
         window_.pop_front();
+    for (bound(); at_heard_.least_us > at_heard_.most_us && window_.size() > 1; bound())
+        window_.pop_front();
     estimate();
+    bound();
 }
 
-bool ClockFilter::shows_a_step(const Sample& sample) const {
-    if (!synchronised())
-        return false;
-    const double off_us = static_cast<double>(sample.offset_us) - static_cast<double>(base_us_) -
-                          target_offset_us(sample.middle_us);
-    return std::abs(off_us) >
-           0.5 * static_cast<double>(sample.round_trip_us) + error_us(sample.middle_us) + step_us;
+void ClockFilter::bound() {
+    heard_us_ = std::ranges::max_element(window_, {}, &Sample::middle_us)->middle_us;
+    at_heard_ = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+    for (const Sample& sample : window_) {
+        const auto offset_us = static_cast<double>(difference(sample.offset_us, base_us_));
+        const double off_us = rounding_us + 0.5 * static_cast<double>(sample.round_trip_us) +
+                              rate_off_max * static_cast<double>(heard_us_ - sample.middle_us);
+        at_heard_.least_us = std::max(at_heard_.least_us, offset_us - off_us);
+        at_heard_.most_us = std::min(at_heard_.most_us, offset_us + off_us);
+    }
 }
 
-double ClockFilter::error_us(LocalUs local_us) const {
-    const LocalUs unheard_us =
-        std::max<LocalUs>(local_us - window_.back().middle_us - silence_us, 0);
-    return 0.5 * static_cast<double>(best_round_trip_us_) + scatter_us_ +
-           drift_unheard * static_cast<double>(unheard_us);
+ClockFilter::Range ClockFilter::allowed(LocalUs local_us) const {
+    const double off_us = rate_off_max * std::abs(static_cast<double>(local_us - heard_us_));
+    return {at_heard_.least_us - off_us, at_heard_.most_us + off_us};
 }
 
 void ClockFilter::estimate() {
@@ -71,7 +77,7 @@ void ClockFilter::estimate() {
 
     const LocalUs old_base_us = base_us_;
     base_us_ = kept.front().offset_us;
-    shown_offset_us_ += static_cast<double>(old_base_us - base_us_);
+    shown_offset_us_ += static_cast<double>(difference(old_base_us, base_us_));
     origin_us_ = kept.front().middle_us;
     const auto count = static_cast<double>(kept.size());
     double mean_x = 0;
@@ -89,17 +95,12 @@ void ClockFilter::estimate() {
     }
     slope_ = fit && xx > 0 ? std::clamp(xy / xx, -slope_max, slope_max) : 0;
     mean_us_ = mean_y - slope_ * mean_x;
-    double squares = 0;
-    for (const Sample& sample : kept) {
-        const double x = static_cast<double>(sample.middle_us - origin_us_);
-        const double y = static_cast<double>(sample.offset_us - base_us_);
-        squares += std::pow(y - mean_us_ - slope_ * x, 2);
-    }
-    scatter_us_ = std::sqrt(squares / count);
 }
 
 double ClockFilter::target_offset_us(LocalUs local_us) const {
-    return mean_us_ + slope_ * static_cast<double>(local_us - origin_us_);
+    const double line_us = mean_us_ + slope_ * static_cast<double>(local_us - origin_us_);
+    const Range range = allowed(local_us);
+    return std::clamp(line_us, range.least_us, range.most_us);
 }
 
 std::int64_t ClockFilter::now(LocalUs local_us) {
@@ -137,7 +138,8 @@ ClockStatus ClockFilter::status(LocalUs local_us) const {
     status.drift_ppm = slope_ * 1e6;
     status.slew_us = shown_any_ ? target_us - shown_offset_us_ : 0;
     status.round_trip_us = best_round_trip_us_;
-    status.error_us = error_us(local_us);
+    const Range range = allowed(local_us);
+    status.error_us = std::max(range.most_us - target_us, target_us - range.least_us);
     return status;
 }
 

@@ -4,8 +4,10 @@
 // Each answer gives one look at the difference between the other's sea time and the local monotonic
 // clock, wrong by at most half its round trip. Queueing only ever lengthens a trip, so the fifth of
 // the last minute with the shortest trips is kept and a straight line laid through it: offset and
-// drift (measured: 1.1 ms rms over a 40 ms wireless link that queues on one way). What is shown follows that estimate
-// by slewing, at most half a per cent fast or slow, and never runs backwards.
+// drift (measured: 1.1 ms rms over a 40 ms wireless link that queues on one way). No clock runs off faster than `rate_off_max`,
+// so each look also says between what the difference is now; where the line leaves what all of them allow, its end counts.
+// Looks that exclude each other show that a clock was set, or stood while its machine slept: then the older ones count no more.
+// What is shown follows that estimate by slewing, at most half a per cent fast or slow, and never runs backwards.
 //
 // Pure: local time is given in, in microseconds of any monotonic clock. For one thread.
 #pragma once
@@ -24,8 +26,8 @@ struct ClockStatus {
     double drift_ppm = 0;      ///< how much faster than the local clock the sea runs
     double slew_us = 0;        ///< what is shown still has to make up
     LocalUs round_trip_us = 0; ///< shortest of the window
-    /// Bound on the error of the estimate: half the shortest round trip, which no ping can tell
-    /// from an asymmetric path, and the scatter about the line.
+    /// Bound on the error of the estimate: how far it is from the further end of what all looks of the window allow. Half the
+    /// shortest round trip, which no ping can tell from an asymmetric path, and what a clock may have run off since.
     double error_us = 0;
     int samples = 0; ///< in the window
 };
@@ -38,14 +40,12 @@ class ClockFilter {
     static constexpr double slew_rate = 0.005;
     /// Larger differences are not slewed: forward at once, and after begin_anew() at twice the speed; backward at half of it.
     static constexpr double step_us = 250'000;
-    /// What the estimate may be off by grows so fast once nothing was heard for `silence_us`: servers pull their sea time towards
-    /// UTC by 0.4 ms a second, older ones by 1, and quartz runs off by less than half of that.
-    static constexpr double drift_unheard = 1.5e-3;
-    static constexpr LocalUs silence_us = 2'000'000;
+    /// Two clocks run apart by no more: servers pull their sea time towards UTC by 0.4 ms a second (older ones by 1), a system that follows
+    /// UTC by adjtime may run off by 0.5, and quartz by less than 0.1.
+    static constexpr double rate_off_max = 1.5e-3;
 
     /// A reply: sent and received in local time, and the sea time that the server wrote into it.
-    /// A reply that came before it was sent is ignored. One that no path explains shows that a clock was set, or stood while
-    /// its machine slept: what came before counts no more.
+    /// A reply that came before it was sent is ignored.
     void add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us);
 
     /// Another server of the same time answers from now on: what was shown goes on from there, slewed. At least one
@@ -69,18 +69,24 @@ class ClockFilter {
         LocalUs offset_us; ///< sea time less local time at the middle
     };
 
+    /// Offsets that looks allow, relative to base_us_.
+    struct Range {
+        double least_us, most_us;
+    };
+
     void estimate();
-    bool shows_a_step(const Sample& sample) const;
-    double error_us(LocalUs local_us) const;
+    void bound();
+    Range allowed(LocalUs local_us) const;
     double target_offset_us(LocalUs local_us) const;
 
     std::deque<Sample> window_;
+    LocalUs heard_us_ = 0; ///< the latest middle
+    Range at_heard_ = {};  ///< what all looks of the window allowed then
     // Line through the samples kept: offset = base + mean + slope (local - origin).
     LocalUs origin_us_ = 0;
     LocalUs base_us_ = 0;
     double mean_us_ = 0;
     double slope_ = 0;
-    double scatter_us_ = 0;
     LocalUs best_round_trip_us_ = 0;
 
     bool anew_ = false; ///< until what is shown is near again

@@ -295,12 +295,14 @@ class Client {
     /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to
     /// send some.
     bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                    std::span<sea::ErrorTerms> terms = {}) const;
+                    std::span<sea::ErrorTerms> terms = {},
+                    std::span<double> moved_off_m = {}) const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
-    /// By the earliest beginning of those that contain it.
+    /// By the earliest beginning of those that contain it. `moved_off_m`: added to, the same of a component of the displacement.
     void mark(std::span<const Unheard> unheard, std::span<const sea::QueryPoint> points,
-              std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {}) const;
+              std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {},
+              std::span<double> moved_off_m = {}) const;
     /// Bound on what now_us() is off by.
     sea::TimeUs now_error_us() const;
     /// client_now.cpp: what the water may be further on by.

@@ -20,6 +20,11 @@ namespace {
 /// A server answers pings each second; whose third is missing is silent.
 constexpr LocalUs silent_us = 3'000'000;
 
+/// The sea time up to which a server knew of all changes when it said that.
+TimeUs sure_until_us(const sea::Paces& paces, TimeUs elapsed_us, TimeUs unsure_us) {
+    return paces.sea_time(std::clamp(elapsed_us, -sea::time_us_max, sea::time_us_max) - unsure_us);
+}
+
 bool same_tiles(const SeaState& a, const SeaState& b) {
     return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
         return one.size == other.size && one.length_m == other.length_m;
@@ -251,8 +256,21 @@ std::string Client::why_another(const Joining& joining, const SeaState& state) c
         (like.start_time_us != state.start_time_us || like.probes != state.probes ||
          like.realised.hs_m != state.realised.hs_m))
         return fmt::format("its waves of epoch {} are others", state.epoch);
-    // A change that was made meanwhile has a number of its own.
-    if (found == sea_states_.end() && state.epoch < sea_state_held(heard_us_)->epoch)
+    // A change that was made meanwhile has a number of its own. And the first that a session is told of is the one that runs: one
+    // that should have begun before is no part of that server's course (its journal may have been put back).
+    sea::Paces paces = paces_;
+    for (const sea::Pace& pace : joining.paces)
+        paces.add(pace);
+    TimeUs before_us = joining.looks.empty() ? std::numeric_limits<TimeUs>::min()
+                                             : std::numeric_limits<TimeUs>::max();
+    for (const Joining::Look& look : joining.looks)
+        before_us = std::min(before_us, sure_until_us(paces, look.elapsed_us, look.unsure_us));
+    const auto should_run = [&](const SeaStatePtr& held) {
+        return held->epoch > state.epoch && held->start_time_us < before_us;
+    };
+    const bool is_new = found == sea_states_.end();
+    if ((is_new && state.epoch < sea_state_held(heard_us_)->epoch) ||
+        std::ranges::any_of(sea_states_, should_run))
         return "it has an earlier epoch";
     for (const Joining::Look& look : joining.looks) {
         const double round_trip_us = static_cast<double>(look.received_us - look.sent_us);
@@ -292,10 +310,7 @@ void Client::hear(const Joining::Look& look) {
     clock_.add(look.sent_us, look.received_us, look.elapsed_us);
     // Who looks rarely takes up late what came long ago: it was no earlier than this.
     heard_at_us_ = look.sent_us - look.unsure_us;
-    heard_us_ =
-        std::max(heard_us_,
-                 paces_.sea_time(std::clamp(look.elapsed_us, -sea::time_us_max, sea::time_us_max) -
-                                 look.unsure_us));
+    heard_us_ = std::max(heard_us_, sure_until_us(paces_, look.elapsed_us, look.unsure_us));
     unsure_ = look.unsure_us > 0;
 }
 
@@ -327,7 +342,7 @@ bool Client::silent(LocalUs now_us) const {
 }
 
 bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms) const {
+                        std::span<sea::ErrorTerms> terms, std::span<double> moved_off_m) const {
     std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
     bool nothing_comes = false;
     {
@@ -341,7 +356,7 @@ bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::
             return answer.flags & sea::answer_extrapolated;
         }))
         return false;
-    mark(unheard, points, answers, terms);
+    mark(unheard, points, answers, terms, moved_off_m);
     return true;
 }
 
@@ -358,7 +373,8 @@ void Client::mark_unsure(std::span<const sea::QueryPoint> points,
 }
 
 void Client::mark(std::span<const Unheard> unheard, std::span<const sea::QueryPoint> points,
-                  std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms) const {
+                  std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
+                  std::span<double> moved_off_m) const {
     for (std::size_t i = 0; i < points.size(); ++i) {
         TimeUs from_us = std::numeric_limits<TimeUs>::max();
         for (const Unheard& span : unheard)
@@ -369,11 +385,13 @@ void Client::mark(std::span<const Unheard> unheard, std::span<const sea::QueryPo
         answers[i].flags |= sea::answer_stale;
         if (answers[i].flags & sea::answer_invalid)
             continue;
-        const double stale_m =
-            stale_error_m(*sea_state(points[i].time_us), from_us, points[i].time_us);
+        const SeaStatePtr state = sea_state(points[i].time_us);
+        const double stale_m = stale_error_m(*state, from_us, points[i].time_us);
         answers[i].error_m += stale_m;
         if (!terms.empty())
             terms[i].stale_m = stale_m;
+        if (!moved_off_m.empty())
+            moved_off_m[i] += stale_displacement_error_m(*state, from_us, points[i].time_us);
     }
 }
 

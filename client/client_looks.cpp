@@ -123,11 +123,14 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
         std::vector<sea::Answer> answers;
         for (const Water& one : water)
             answers.push_back(one.answer);
-        if (!mark_stale(points, answers))
+        std::vector<double> moved_off_m(points.size(), 0.0);
+        if (!mark_stale(points, answers, {}, moved_off_m))
             return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
                                              "held end before that time");
-        for (std::size_t i = 0; i < water.size(); ++i)
+        for (std::size_t i = 0; i < water.size(); ++i) {
             water[i].answer = answers[i];
+            water[i].displacement_error_m += moved_off_m[i];
+        }
         return water;
     });
 }

@@ -10,15 +10,29 @@
 
 namespace seaway::client {
 
-double stale_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us) {
+namespace {
+
+/// Of another sea, in the difference of its waves from those that are known.
+double difference_share(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us) {
     sea::TimeUs interval_us = 0;
     for (const protocol::CascadeInfo& cascade : state.cascades)
         interval_us = std::max(interval_us, cascade.interval_us);
     const sea::TimeUs first_us = heard_us + interval_us + change_told_ahead_us;
-    const double share = sea::glide_share(time_us, first_us, first_us + sea::glide_us_min);
-    const double difference_m = std::numbers::sqrt2 * state.realised.hs_m / 4 * share;
+    return std::numbers::sqrt2 * sea::glide_share(time_us, first_us, first_us + sea::glide_us_min);
+}
+
+} // namespace
+
+double stale_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us) {
+    const double difference_m =
+        difference_share(state, heard_us, time_us) * state.realised.hs_m / 4;
     const double moved = std::max(state.choppiness_x, state.choppiness_y) * state.rms_slope;
     return sea::bound_sigmas * difference_m * (1 + moved);
+}
+
+double stale_displacement_error_m(const SeaState& state, sea::TimeUs heard_us,
+                                  sea::TimeUs time_us) {
+    return difference_share(state, heard_us, time_us) * state.displacement_reach_m;
 }
 
 } // namespace seaway::client

@@ -6,7 +6,8 @@
 // is none. What is added to error_m is derived for one assumption, which is all of it: that the sea changes at the first moment
 // at which it may have, in the shortest time that a change takes, to waves of as much energy that have nothing to do with
 // its own. Their difference has the variance 2 m0 s^2, s the share of the glide (sea/basics/glide.h); bound_sigmas
-// standard deviations of that, and as much on the slopes for displacements. Of a change to a higher sea it is no bound.
+// standard deviations of that, and as much on the slopes for displacements. Displacements themselves stay within their reach in both
+// seas: sqrt(2) s of it. Of a change to a higher sea neither is a bound.
 //
 // Pure; thread-safe.
 #pragma once
@@ -30,5 +31,7 @@ struct Unheard {
 /// What is added to the error of a height about this time; never less at a later one. 0 up to the first moment at which
 /// a change may have begun.
 double stale_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us);
+/// And to that of each component of a displacement, choppiness included.
+double stale_displacement_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us);
 
 } // namespace seaway::client

@@ -55,6 +55,11 @@ std::int64_t deadline_us(double timeout_s) {
 }
 
 std::int64_t local_now_us() {
+#ifdef CLOCK_BOOTTIME
+    timespec now{};
+    if (clock_gettime(CLOCK_BOOTTIME, &now) == 0)
+        return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1000;
+#endif
     return std::chrono::duration_cast<std::chrono::microseconds>(
                std::chrono::steady_clock::now().time_since_epoch())
         .count();

@@ -74,7 +74,8 @@ struct ConnectionEvents {
     std::function<void(const Error& reason)> on_closed{};
 };
 
-/// The local clock of this room: monotonic, microseconds.
+/// The local clock of this room: monotonic, microseconds. It goes on while a machine sleeps, where the system has such a clock:
+/// the sea does, too.
 std::int64_t local_now_us();
 /// So much later than now.
 std::int64_t deadline_us(double timeout_s);

@@ -276,21 +276,24 @@ class SocketStream final : public MessageStream {
 
     void tick() {
         ticker_.expires_after(tick_interval);
-        ticker_.async_wait([this](error_code) {
-            if (finished_)
+        ticker_.async_wait([this](error_code gone) {
+            if (gone || closing_ || finished_)
                 return;
-            if (!closing_)
-                events_.on_tick();
+            events_.on_tick();
             tick();
         });
     }
 
-    /// The reader ends with it, or io_ is stopped when the peer does not answer.
+    /// The reader ends with it, or the patience with a peer that does not answer.
     void say_goodbye(std::string reason) {
         if (!open_ || finished_)
             return finish(std::move(reason));
         goodbye_ = reason;
-        ticker_.cancel();
+        ticker_.expires_after(close_patience);
+        ticker_.async_wait([this, reason](error_code gone) {
+            if (!gone)
+                finish(reason);
+        });
         ws_.close({normal_closure, {}}, [this, reason = std::move(reason)] { finish(reason); });
     }
 

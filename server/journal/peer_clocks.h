@@ -26,7 +26,7 @@ namespace seaway::server {
 struct PeersSeen {
     int peers = 0;       ///< that have answered within heard_us
     double ahead_us = 0; ///< this clock, of the middle one
-    double error_us = 0; ///< bound on that: of each clock half the shortest round trip, and scatter
+    double error_us = 0; ///< bound on that, of those of each clock
     bool can_judge() const { return peers >= 2; }
 };
 

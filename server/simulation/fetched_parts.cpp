@@ -19,13 +19,12 @@ FetchedParts::FetchedParts(const SeaCourse& course, const std::vector<sea::TimeU
     begin();
 }
 
-Hand FetchedParts::hand() {
-    const bool between = !job_ || job_->between_parts();
-    if (between && !complete() && !seas_of_times_[next_].empty() && seas_->are_there() &&
-        !course_.sea_if_held(epoch()))
-        seas_.emplace(course_, seas_of_times_[next_], demand_.fields);
-    turn_ = seas_->are_there() ? Hand::simulation : Hand::answers;
-    return turn_;
+bool FetchedParts::may_work() {
+    const bool begins = !job_ || job_->between_parts();
+    if (!begins || seas_of_times_[next_].empty() || course_.sea_if_held(epoch()))
+        return true;
+    seas_.emplace(course_, seas_of_times_[next_], demand_.fields);
+    return false;
 }
 
 void FetchedParts::begin() {

@@ -22,11 +22,10 @@ class FetchedParts {
     FetchedParts(const SeaCourse& course, const std::vector<sea::TimeUs>& times_us,
                  const Demand& demand, std::shared_ptr<Room> room);
 
-    /// Who does the next slice: what makes some of a sea, or what works on the job. A sea that has been let go meanwhile is made
-    /// again first, unless a part of its keyframes is being made.
-    Hand hand();
-    /// What hand() said last: for whom the next slice was put in line.
-    Hand turn() const { return turn_; }
+    /// Who does the next slice: what makes some of a sea, or what works on the job.
+    Hand hand() const { return seas_->are_there() ? Hand::simulation : Hand::answers; }
+    /// Asked before work on the job. False: its sea was let go while this waited in line, and is made again first.
+    bool may_work();
     /// A slice would come to nothing now.
     bool waits() const { return seas_->wait() || (job_ && job_->waits()); }
 
@@ -46,7 +45,6 @@ class FetchedParts {
     const std::shared_ptr<Room> room_;
     std::vector<std::vector<sea::TimeUs>> seas_of_times_; ///< times of each sea, in order of epochs
     std::size_t next_ = 0;
-    Hand turn_ = Hand::simulation;
     std::optional<FetchedSeas> seas_;
     std::optional<KeyframeJob> job_;
 };

@@ -43,11 +43,10 @@ FetchedSeas::FetchedSeas(const SeaCourse& course, std::span<const sea::TimeUs> t
         ++there_;
 }
 
-bool FetchedSeas::make_some() {
+void FetchedSeas::make_some() {
     awaits_ = !course_.sea_unless_making(epochs_[there_]);
     if (!awaits_)
         ++there_;
-    return false;
 }
 
 } // namespace seaway::server

@@ -25,8 +25,8 @@ class FetchedSeas {
                 sea::FieldSet fields);
 
     bool are_there() const { return there_ == epochs_.size(); }
-    /// The next one. False: for the slices of questions, which this does not answer.
-    bool make_some();
+    /// The next one.
+    void make_some();
     /// Another thread makes one now.
     bool wait() const { return awaits_ && course_.is_making(); }
 

@@ -262,12 +262,11 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
     const double price_us = prices_.fetch_us(times_us, demand, holding());
     auto parts = std::make_shared<FetchedParts>(*course_, times_us, demand, fetch_room_);
     const auto slice = [this, parts, done] {
-        if (parts->turn() == Hand::answers) {
+        if (parts->hand() == Hand::answers) {
             parts->make_some_sea();
             return false;
         }
-        // A sea that was let go while this waited in line is not made here, where the stream is.
-        return parts->hand() == Hand::simulation && work_on(parts->job(), *parts, done);
+        return parts->may_work() && work_on(parts->job(), *parts, done);
     };
     ask({.slice = slice,
          .refuse = done,

@@ -18,8 +18,7 @@ namespace {
 using namespace seaway;
 
 sea::Scene gale() {
-    Result<sea::Scene> scene =
-        sea::read_scene(std::string(SEAWAY_SOURCE_DIR) + "/scenes/north_sea_gale.toml");
+    Result<sea::Scene> scene = sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
     if (!scene)
         std::abort();
     return *std::move(scene);

@@ -12,7 +12,9 @@
 
 #include "client/client.h"
 #include "client/link/failure.h"
+#include "client/link/message_stream.h"
 #include "client/seaway.h"
+#include "client/staleness.h"
 #include "sea/basics/glide.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/fault_proxy.h"
@@ -77,6 +79,43 @@ TEST_F(LiveGoesOn, leaves_at_once_in_the_middle_of_an_attempt) {
     line->cut();
     ASSERT_TRUE(eventually([&] { return (*client)->status().state == LinkState::connecting; }));
     client->reset(); // or this test does not end within an hour
+}
+
+// As of a journal that was put back: the sea of before would go on at this client, and at nobody else.
+TEST_F(LiveGoesOn, a_server_that_does_not_know_the_sea_that_should_run_has_another) {
+    for (const bool begun : {true, false}) {
+        std::atomic<int> told = 0;
+        const auto client =
+            Client::connect({.url = url}, {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
+        ASSERT_TRUE(client) << client.error().message;
+        const auto first = sea.sea_state_messages().front();
+        protocol::SeaStateValues state =
+            protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
+        state.epoch = sea.epoch + 2;
+        state.start_time_us = sea.sea_time_us() + (begun ? -1'000'000 : 3'600'000'000);
+        net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
+        ASSERT_TRUE(eventually([&] { return told == 2; }));
+        line->cut();
+        ASSERT_TRUE(eventually([&] { return told == 3; }));
+        ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
+        const sea::TimeUs later_us = state.start_time_us + 1'000'000;
+        EXPECT_EQ((*client)->sea_state(later_us)->epoch, begun ? sea.epoch : state.epoch);
+        EXPECT_EQ((*client)->status().seas, begun ? 2 : 1) << (*client)->status().reason;
+    }
+}
+
+// Naive: until the handshake's patience is over, which is that of connecting.
+TEST_F(LiveGoesOn, a_peer_that_answers_no_goodbye_is_left_all_the_same) {
+    const auto opened = open_websocket(*parse_url(url), {.connect_timeout_s = 3600});
+    ASSERT_TRUE(opened) << opened.error().message;
+    std::promise<std::string> closed;
+    (*opened)->start({[](std::span<const std::uint8_t>) {}, [] {},
+                      [&](const std::string& why) { closed.set_value(why); }});
+    line->stall(true);
+    (*opened)->close("enough");
+    auto why = closed.get_future();
+    ASSERT_EQ(why.wait_for(std::chrono::seconds(60)), std::future_status::ready);
+    EXPECT_EQ(why.get(), "enough");
 }
 
 struct Told {
@@ -349,6 +388,7 @@ SeaState stale_state() {
     state.choppiness_x = 1;
     state.choppiness_y = 0.5;
     state.rms_slope = 0.1;
+    state.displacement_reach_m = 6;
     return state;
 }
 
@@ -366,6 +406,9 @@ TEST(Staleness, costs_nothing_until_a_change_may_have_begun_and_then_grows_to_an
     // Five standard deviations of the difference of two seas of 1 m each, and a tenth for slopes.
     EXPECT_NEAR(last_m, 5 * std::sqrt(2.0) * 1.1, 1e-12);
     EXPECT_EQ(stale_error_m(state, heard_us, heard_us + 3'600'000'000), last_m);
+    EXPECT_EQ(stale_displacement_error_m(state, heard_us, heard_us + 3'000'000), 0);
+    EXPECT_NEAR(stale_displacement_error_m(state, heard_us, heard_us + 3'600'000'000),
+                6 * std::sqrt(2.0), 1e-12);
 }
 
 // The hardest change that the error is stated for: waves of the same energy that have nothing to do with those before.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A fetch, sea by sea: whose turn it is, who makes what it lacks, and what comes of no times.
 #include "server/simulation/fetched_parts.h"
+
+#include "sea/scene/weather.h"
 #include "tests/server/simulation/simulation_bench.h"
 
 namespace seaway::server {
 namespace {
 
-constexpr Demand some{sea::all_cascades, FieldSet{Field::height}};
+const Demand some{sea::all_cascades, FieldSet{Field::height}};
 
 /// So many changes of ten seconds, a minute apart, the first after a minute.
 std::shared_ptr<SeaCourse> course_with(int changes) {
@@ -37,12 +39,15 @@ TEST(FetchedParts, a_sea_that_was_let_go_before_its_turn_is_made_again_by_others
     FetchedParts parts(*course, {65 * second_us}, some, nullptr);
     parts.make_some_sea();
     ASSERT_EQ(parts.hand(), Hand::simulation);
+    ASSERT_TRUE(parts.may_work());
     for (int i = 2; i <= static_cast<int>(seas_kept) + 2; ++i)
         (void)course->at((60 * i + 30) * second_us);
     ASSERT_EQ(course->sea_if_held(course->window_at(65 * second_us).epoch), nullptr);
+    EXPECT_FALSE(parts.may_work());
     EXPECT_EQ(parts.hand(), Hand::answers);
     parts.make_some_sea();
     EXPECT_EQ(parts.hand(), Hand::simulation);
+    EXPECT_TRUE(parts.may_work());
 }
 
 TEST(FetchedParts, times_in_any_order_and_twice_are_each_seas_keyframes_once) {
@@ -56,8 +61,8 @@ TEST(FetchedParts, times_in_any_order_and_twice_are_each_seas_keyframes_once) {
     EXPECT_TRUE(bench.fetch({}, {1u, {Field::height}}).value().empty());
 }
 
-// Naive: the course calls under its own lock. Questions are woken under theirs, under which a fetch asks the course whose turn
-// it is: each would wait for the other.
+// Naive: the course calls under its own lock. Questions are woken under theirs: whoever asks the course under that one and
+// whoever is told would wait for each other.
 TEST(FetchedParts, whoever_hears_that_a_sea_was_made_may_ask_the_course) {
     const auto course = course_with(1);
     FetchedParts parts(*course, {65 * second_us}, some, nullptr);

@@ -293,7 +293,7 @@ TEST(FetchedSeas, of_foam_are_those_that_it_remembers_and_are_paid_for) {
     FetchedSeas seas(*course, end_us, {Field::foam});
     int made = 0;
     for (; !seas.are_there(); ++made)
-        (void)seas.make_some();
+        seas.make_some();
     EXPECT_LE(made, remembered);
     EXPECT_GT(made, 2);
     EXPECT_GE(price_us, made * 2 * 64.0 * 64.0 * price_sea_wave_us);
