@@ -154,7 +154,7 @@ FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest>
         const KeyframeRequest& request = requests[indices[job]];
         if (request.foam == nullptr)
             continue;
-        const auto& [map, kept, shown] = *request.foam;
+        const FoamTurn& foam = *request.foam;
         work.histories = &histories->histories();
         const auto add = [&](const sea::FoamTick& tick, std::uint32_t flags) {
             shaders::FoamStep step = foam_step(tick);
@@ -164,20 +164,21 @@ FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest>
                 step.strain_yy = place(job, sea::Field::strain_yy);
                 step.strain_xy = place(job, sea::Field::strain_xy);
             }
-            step.history = histories->place(*map);
+            step.history = histories->place(*foam.map);
             step.shown = flags & shaders::foam_shows ? place(job, sea::Field::foam) : 0;
-            step.departure = shown.departure;
-            const std::size_t round = taken[map]++;
+            step.departure = foam.shown.departure;
+            const std::size_t round = taken[foam.map]++;
             rounds.resize(std::max(rounds.size(), round + 1));
             rounds[round].push_back(step);
         };
         const bool shows = request.fields.contains(sea::Field::foam);
-        const bool at_once = kept && shows && shown.is_state(); // what is kept is what is shown
-        if (kept)
-            add(*kept, shaders::foam_keeps | (at_once ? shaders::foam_shows : 0u));
+        const bool at_once =
+            foam.kept && shows && foam.shown.is_state(); // what is kept is what is shown
+        if (foam.kept)
+            add(*foam.kept, shaders::foam_keeps | (at_once ? shaders::foam_shows : 0u));
         if (shows && !at_once)
-            add(shown.tick, shaders::foam_shows);
-        ticks += kept.has_value() + (shows && shown.tick.looks());
+            add(foam.shown.tick, shaders::foam_shows);
+        ticks += foam.kept.has_value() + (shows && foam.shown.tick.looks());
     }
     for (const std::vector<shaders::FoamStep>& round : rounds) {
         work.steps.insert(work.steps.end(), round.begin(), round.end());

@@ -214,7 +214,8 @@ Result<void> run_effects(const EffectsOptions& options) {
     SEAWAY_TRY_LET(std::vector<EffectCost> rows,
                    measure_everything(whole, *device, options.rounds));
     SEAWAY_TRY_LET(const EffectCost asked, measure_asked(as_written, *device, options));
-    rows.insert(rows.begin() + 1, asked);
+    rows.push_back(asked);
+    std::rotate(rows.begin() + 1, rows.end() - 1, rows.end());
     print_table(device->description(), rows);
     std::error_code failed;
     std::filesystem::create_directories(options.out, failed);

@@ -221,11 +221,12 @@ TEST(ModeVariances, scatter_counts_a_wave_together_with_the_one_against_it) {
 TEST(ModeVariances, a_narrow_beam_of_waves_both_ways_has_half_of_its_energy_either_way) {
     for (const double s : {2.0, 75.0, 300.0, 1000.0}) {
         const SeaState sea =
-            scene_of(fmt::format("[sea]\n[[sea.system]]\ntype=\"wind\"\nspectrum=\"phillips\"\n"
-                                 "wind_speed_10m_mps=8\nfrom_deg=270\nsignificant_height_m=1.5\n"
-                                 "phillips_upwind=true\nspreading=\"cos2s\"\n"
-                                 "spreading_exponent={}\n",
-                                 s))
+            testing::scene_of(
+                fmt::format("[sea]\n[[sea.system]]\ntype=\"wind\"\nspectrum=\"phillips\"\n"
+                            "wind_speed_10m_mps=8\nfrom_deg=270\nsignificant_height_m=1.5\n"
+                            "phillips_upwind=true\nspreading=\"cos2s\"\n"
+                            "spreading_exponent={}\n",
+                            s))
                 .sea;
         const CascadeSpec spec{60, 64}; // the peak is two steps out
         const std::vector<double> variances =

@@ -191,10 +191,9 @@ void VulkanSynthesizerTest::compare_2048(const RandomSea& random,
             EXPECT_NEAR(map->plane(field)[node(*map, x, y)], truth.at(x, y), 1e-5 * 4 * truth.rms())
                 << sea::info(field).name;
     }
-    for (const auto& [x, y] : random_nodes(2048, 500)) {
-        const auto at = [&](Field field) {
-            return static_cast<double>(map->plane(field)[node(*map, x, y)]);
-        };
+    for (const auto& there : random_nodes(2048, 500)) {
+        const std::size_t index = node(*map, there.first, there.second);
+        const auto at = [&](Field field) { return static_cast<double>(map->plane(field)[index]); };
         const double xy = at(Field::strain_xy), along = 1 + choppiness.x * at(Field::strain_xx),
                      across = 1 + choppiness.y * at(Field::strain_yy);
         const double shear = choppiness.x * choppiness.y * xy * xy;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keyframes of a course of seas from one device: what it is given, and that it makes no difference how much at once.
+#include "sea/scene/weather.h"
 #include "server/device/native_synthesizer.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "server/simulation/course_synthesis.h"
