@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "base/check.h"
@@ -16,8 +17,8 @@ constexpr LocalUs slope_span_us = 10'000'000;
 constexpr double slope_max = 500e-6;
 /// The kept share of few samples is at least this many.
 constexpr std::size_t kept_min = 3;
-/// Times are whole microseconds.
-constexpr double rounding_us = 1;
+/// Times are whole microseconds, and so is the middle of a trip.
+constexpr double rounding_us = 1.5;
 
 /// The difference of any two times wraps instead of overflowing.
 LocalUs difference(std::int64_t a, std::int64_t b) {
@@ -26,16 +27,18 @@ LocalUs difference(std::int64_t a, std::int64_t b) {
 
 } // namespace
 
-void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us) {
+void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us,
+                      LocalUs unsure_us) {
     if (received_us < sent_us)
         return;
     const LocalUs round_trip_us = received_us - sent_us;
     const LocalUs middle_us = sent_us + round_trip_us / 2;
-    window_.push_back({middle_us, round_trip_us, difference(sea_time_us, middle_us)});
+    window_.push_back({middle_us, round_trip_us, difference(sea_time_us, middle_us), unsure_us});
     while (window_.size() > samples_max || window_.front().middle_us < middle_us - window_us)
         window_.pop_front();
-    for (bound(); at_heard_.least_us > at_heard_.most_us && window_.size() > 1; bound())
-        window_.pop_front();
+    bound();
+    if (at_heard_.least_us > at_heard_.most_us)
+        window_.erase(window_.begin(), std::prev(window_.end()));
     estimate();
     bound();
 }
@@ -45,7 +48,10 @@ void ClockFilter::bound() {
     at_heard_ = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     for (const Sample& sample : window_) {
         const auto offset_us = static_cast<double>(difference(sample.offset_us, base_us_));
-        const double off_us = rounding_us + 0.5 * static_cast<double>(sample.round_trip_us) +
+        // What was said was so somewhere within the trip.
+        const double off_us = rounding_us +
+                              0.5 * (1 + rate_off_max) *
+                                  static_cast<double>(sample.round_trip_us + sample.unsure_us) +
                               rate_off_max * static_cast<double>(heard_us_ - sample.middle_us);
         at_heard_.least_us = std::max(at_heard_.least_us, offset_us - off_us);
         at_heard_.most_us = std::min(at_heard_.most_us, offset_us + off_us);

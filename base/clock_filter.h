@@ -6,7 +6,7 @@
 // the last minute with the shortest trips is kept and a straight line laid through it: offset and
 // drift (measured: 1.1 ms rms over a 40 ms wireless link that queues on one way). No clock runs off faster than `rate_off_max`,
 // so each look also says between what the difference is now; where the line leaves what all of them allow, its end counts.
-// Looks that exclude each other show that a clock was set, or stood while its machine slept: then the older ones count no more.
+// Looks that exclude each other show that a clock was set, or ran off faster: then the last one alone counts.
 // What is shown follows that estimate by slewing, at most half a per cent fast or slow, and never runs backwards.
 //
 // Pure: local time is given in, in microseconds of any monotonic clock. For one thread.
@@ -26,8 +26,8 @@ struct ClockStatus {
     double drift_ppm = 0;      ///< how much faster than the local clock the sea runs
     double slew_us = 0;        ///< what is shown still has to make up
     LocalUs round_trip_us = 0; ///< shortest of the window
-    /// Bound on the error of the estimate: how far it is from the further end of what all looks of the window allow. Half the
-    /// shortest round trip, which no ping can tell from an asymmetric path, and what a clock may have run off since.
+    /// Bound on the error of the estimate: how far it is from the further end of what all looks of the window allow. Of one look
+    /// half its round trip, which no ping can tell from an asymmetric path, and what a clock may have run off since.
     double error_us = 0;
     int samples = 0; ///< in the window
 };
@@ -40,13 +40,15 @@ class ClockFilter {
     static constexpr double slew_rate = 0.005;
     /// Larger differences are not slewed: forward at once, and after begin_anew() at twice the speed; backward at half of it.
     static constexpr double step_us = 250'000;
-    /// Two clocks run apart by no more: servers pull their sea time towards UTC by 0.4 ms a second (older ones by 1), a system that follows
-    /// UTC by adjtime may run off by 0.5, and quartz by less than 0.1.
-    static constexpr double rate_off_max = 1.5e-3;
+    /// Two clocks run apart by no more, as parts of one: two servers that pull their sea times towards UTC (SeaClock) by 0.4 ms a second each
+    /// way, and two oscillators that are off by less than 0.1 (LocalClock). Or one server, and a client without such a clock
+    /// whose system follows UTC by adjtime, up to 0.5.
+    static constexpr double rate_off_max = 1e-3;
 
     /// A reply: sent and received in local time, and the sea time that the server wrote into it.
     /// A reply that came before it was sent is ignored.
-    void add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us);
+    /// `unsure_us`: the trip may have begun so much earlier or later.
+    void add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us, LocalUs unsure_us = 0);
 
     /// Another server of the same time answers from now on: what was shown goes on from there, slewed. At least one
     /// add() follows before anything is read.
@@ -61,12 +63,15 @@ class ClockFilter {
     std::int64_t now(LocalUs local_us);
 
     ClockStatus status(LocalUs local_us) const;
+    /// When status() knows most. Needs one sample.
+    LocalUs looked_us() const { return heard_us_; }
 
   private:
     struct Sample {
         LocalUs middle_us; ///< local time half way
         LocalUs round_trip_us;
         LocalUs offset_us; ///< sea time less local time at the middle
+        LocalUs unsure_us;
     };
 
     /// Offsets that looks allow, relative to base_us_.

@@ -44,6 +44,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
             const std::scoped_lock lock(mutex_);
             if (!joining->joined)
                 join(*joining, *state);
+            joining->told_epoch_max = std::max(joining->told_epoch_max, state->epoch);
             std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
                 if (held->epoch == state->epoch && held->probes != state->probes)
                     forget_waves(held->epoch);
@@ -125,9 +126,10 @@ void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
                                       const sea::SeaTime& said) {
         const std::scoped_lock lock(mutex_);
         const Joining::Look look{sent_us, received_us, said.elapsed_us, said.unsure_us};
-        if (joining->joined)
+        if (joining->joined) {
             hear(look);
-        else
+            forget_lost_seas(*joining, look);
+        } else
             joining->looks.push_back(look);
     };
     events.on_pace = [this, joining](const sea::Pace& pace) {

@@ -207,6 +207,7 @@ class Client {
         };
         std::vector<Look> looks;
         std::vector<sea::Pace> paces;
+        std::uint32_t told_epoch_max = 0; ///< of the seas that it told of
         bool joined = false;
         std::optional<Error> end;
     };
@@ -253,7 +254,9 @@ class Client {
     /// mutex_ held. Why it is not the sea that is held; empty: it is.
     std::string why_another(const Joining& joining, const SeaState& state) const;
     void hear(const Joining::Look& look); ///< mutex_ held
-    void forget_sea();                    ///< mutex_ held
+    /// mutex_ held. Those that should run by now, and that this connection was not told of: each change is, before it begins.
+    void forget_lost_seas(const Joining& joining, const Joining::Look& look);
+    void forget_sea(); ///< mutex_ held
     /// Asks for what is kept now, if anything is (wanted.h).
     template <class Kind>
     std::optional<Kind> ask_as_before(const std::optional<Kind>& kept,

@@ -25,6 +25,17 @@ TimeUs sure_until_us(const sea::Paces& paces, TimeUs elapsed_us, TimeUs unsure_u
     return paces.sea_time(std::clamp(elapsed_us, -sea::time_us_max, sea::time_us_max) - unsure_us);
 }
 
+/// Nobody tells any more of the pace that was to hold at this moment, or of one that took over from it.
+bool is_lost(const sea::Paces& held, std::span<const sea::Pace> told, TimeUs elapsed_us) {
+    constexpr TimeUs told_within_us = 1'000'000; // after it had looked at its clock
+    const auto holds =
+        std::ranges::find_if(held.all().rbegin(), held.all().rend(),
+                             [&](const sea::Pace& pace) { return pace.from_us <= elapsed_us; });
+    return holds != held.all().rend() && std::ranges::none_of(told, [&](const sea::Pace& pace) {
+               return pace.from_us >= holds->from_us && pace.from_us <= elapsed_us + told_within_us;
+           });
+}
+
 bool same_tiles(const SeaState& a, const SeaState& b) {
     return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
         return one.size == other.size && one.length_m == other.length_m;
@@ -256,22 +267,20 @@ std::string Client::why_another(const Joining& joining, const SeaState& state) c
         (like.start_time_us != state.start_time_us || like.probes != state.probes ||
          like.realised.hs_m != state.realised.hs_m))
         return fmt::format("its waves of epoch {} are others", state.epoch);
-    // A change that was made meanwhile has a number of its own. And the first that a session is told of is the one that runs: one
-    // that should have begun before is no part of that server's course (its journal may have been put back).
+    // A journal may have been put back: the first sea that a session is told of is the one that runs, and with it it is told of
+    // the pace that holds and those to come.
     sea::Paces paces = paces_;
     for (const sea::Pace& pace : joining.paces)
         paces.add(pace);
-    TimeUs before_us = joining.looks.empty() ? std::numeric_limits<TimeUs>::min()
-                                             : std::numeric_limits<TimeUs>::max();
-    for (const Joining::Look& look : joining.looks)
-        before_us = std::min(before_us, sure_until_us(paces, look.elapsed_us, look.unsure_us));
-    const auto should_run = [&](const SeaStatePtr& held) {
-        return held->epoch > state.epoch && held->start_time_us < before_us;
-    };
-    const bool is_new = found == sea_states_.end();
-    if ((is_new && state.epoch < sea_state_held(heard_us_)->epoch) ||
-        std::ranges::any_of(sea_states_, should_run))
-        return "it has an earlier epoch";
+    for (const Joining::Look& look : joining.looks) {
+        const TimeUs sure_us = sure_until_us(paces, look.elapsed_us, look.unsure_us);
+        if (std::ranges::any_of(sea_states_, [&](const SeaStatePtr& held) {
+                return held->epoch > state.epoch && held->start_time_us < sure_us;
+            }))
+            return "it has an earlier epoch";
+        if (is_lost(paces_, joining.paces, look.elapsed_us - look.unsure_us))
+            return "it runs at another pace";
+    }
     for (const Joining::Look& look : joining.looks) {
         const double round_trip_us = static_cast<double>(look.received_us - look.sent_us);
         const ClockStatus clock = clock_.status(look.received_us);
@@ -304,6 +313,23 @@ void Client::join(Joining& joining, const SeaState& state) {
     for (const Joining::Look& look : joining.looks)
         hear(look);
     joining.joined = true;
+}
+
+void Client::forget_lost_seas(const Joining& joining, const Joining::Look& look) {
+    const TimeUs sure_us = sure_until_us(paces_, look.elapsed_us, look.unsure_us);
+    const auto is_lost = [&](const SeaStatePtr& held) {
+        return held->epoch > joining.told_epoch_max && held->start_time_us < sure_us;
+    };
+    if (std::ranges::none_of(sea_states_, is_lost))
+        return;
+    ++seas_;
+    status_.reason = "another sea than before: what was announced did not begin";
+    std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
+        const bool lost = is_lost(held);
+        if (lost)
+            forget_waves(held->epoch);
+        return lost;
+    });
 }
 
 void Client::hear(const Joining::Look& look) {

@@ -261,12 +261,13 @@ std::vector<RunningSeaPtr> World::seas_told() const {
     return seas;
 }
 
-Demand World::grant(const Demand& wish) const {
+Demand World::grant(const Demand& wish, std::optional<SessionId> instead_of) const {
     const std::vector<RunningSeaPtr> seas = seas_told();
     std::vector<const sea::ErrorBudget*> budgets;
     for (const RunningSeaPtr& sea : seas)
         budgets.push_back(&sea->budget);
-    Demand granted = grant_of(wish, budgets, seas.front()->streamed(), subscriptions().qualities());
+    Demand granted = grant_of(wish, budgets, seas.front()->streamed(),
+                              subscriptions().qualities_but(instead_of));
     granted.until_us = course_->window(seas.front()->epoch).end_us;
     return granted;
 }

@@ -81,7 +81,7 @@ class World final : public Host {
     sea::SeaTime sea_time() const override;
     std::vector<SharedBytes> sea_state_messages() const override;
     SharedBytes sea_state_message(std::uint32_t epoch) const override;
-    Demand grant(const Demand& wish) const override;
+    Demand grant(const Demand& wish, std::optional<SessionId> instead_of = {}) const override;
     void fetch(FetchRequest request, Fetched done) override;
     void query(QueryBatch batch, Queried done) override;
     void map(MapQuery query, Mapped done) override;

@@ -54,17 +54,6 @@ std::int64_t deadline_us(double timeout_s) {
     return local_now_us() + static_cast<std::int64_t>(timeout_s * 1e6);
 }
 
-std::int64_t local_now_us() {
-#ifdef CLOCK_BOOTTIME
-    timespec now{};
-    if (clock_gettime(CLOCK_BOOTTIME, &now) == 0)
-        return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1000;
-#endif
-    return std::chrono::duration_cast<std::chrono::microseconds>(
-               std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
 Connection::Connection(ConnectionEvents events)
     : events_(std::move(events)), requests_([this](std::uint32_t, protocol::Bytes message) {
           return send(std::move(message));

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "base/local_clock.h"
 #include "base/result.h"
 #include "client/held/acknowledgements.h"
 #include "client/held/tile_assembly.h"
@@ -74,9 +75,7 @@ struct ConnectionEvents {
     std::function<void(const Error& reason)> on_closed{};
 };
 
-/// The local clock of this room: monotonic, microseconds. It goes on while a machine sleeps, where the system has such a clock:
-/// the sea does, too.
-std::int64_t local_now_us();
+using seaway::local_now_us; // the clock of this room
 /// So much later than now.
 std::int64_t deadline_us(double timeout_s);
 /// The same maps, on as small grids as carry them.

@@ -143,8 +143,8 @@ class Host {
     }
 
     /// What of a wish can be had; empty if nothing that was asked for is offered, or if it is `busy`. Of the sea that
-    /// runs and of those that were announced.
-    virtual Demand grant(const Demand& wish) const = 0;
+    /// runs and of those that were announced. As if a session to whose grant it takes the place had none.
+    virtual Demand grant(const Demand& wish, std::optional<SessionId> instead_of = {}) const = 0;
 
     /// Who was granted what: kept here once, by who grants. The keyframes of a grant come through
     /// the publisher from now on.

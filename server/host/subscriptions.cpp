@@ -72,11 +72,13 @@ std::bitset<quality_rungs> Subscriptions::qualities(int cascade) const {
     return used;
 }
 
-std::bitset<quality_rungs> Subscriptions::qualities() const {
+std::bitset<quality_rungs> Subscriptions::qualities_but(std::optional<SessionId> session) const {
     const std::scoped_lock lock(mutex_);
+    const auto own = session ? grants_.find(*session) : grants_.end();
     std::bitset<quality_rungs> used;
     for (std::size_t quality = 0; quality < used.size(); ++quality)
-        used[quality] = of_quality_[quality] > 0;
+        used[quality] = of_quality_[quality] >
+                        (own != grants_.end() && own->second.quality == quality ? 1u : 0u);
     return used;
 }
 

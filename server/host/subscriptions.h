@@ -83,10 +83,11 @@ class Subscriptions {
     sea::FieldSet wanted(int cascade, Quality quality) const;
     /// The same of those who take keyframes at most at a rate, one a rung of rates.
     std::array<sea::FieldSet, rate_rungs_hz.size()> wanted_by_rate(int cascade) const;
-    /// Rungs at which somebody wants a cascade, and at which anybody wants any; the latter without a look at each session, as
-    /// each session asks for it when grants are renewed.
+    /// Rungs at which somebody wants a cascade, and at which anybody (`but` one) wants any; the latter without a look at each
+    /// session, as each session asks for it when grants are renewed.
     std::bitset<quality_rungs> qualities(int cascade) const;
-    std::bitset<quality_rungs> qualities() const;
+    std::bitset<quality_rungs> qualities() const { return qualities_but({}); }
+    std::bitset<quality_rungs> qualities_but(std::optional<SessionId> session) const;
     /// The same of those who do not want a field.
     sea::FieldSet wanted_without(int cascade, sea::Field field) const;
 

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <sstream>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "base/local_clock.h"
 
 namespace seaway::server {
 namespace {
@@ -65,7 +68,7 @@ std::string PeerClocks::word(LocalUs local_us, std::int64_t sea_us) {
     return text;
 }
 
-void PeerClocks::hear(const std::string& word, LocalUs local_us) {
+void PeerClocks::hear(const std::string& word, LocalUs local_us, std::int64_t here_us) {
     std::istringstream in(word);
     std::string first, name;
     std::int64_t sent_us = 0, sea_us = 0;
@@ -84,9 +87,14 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us) {
         if (to != name_)
             continue;
         if (held_us >= 0 && held_us <= heard_us && ours_us <= local_us &&
-            ours_us >= local_us - heard_us && ours_us + held_us <= local_us) {
+            ours_us >= local_us - heard_us) {
+            const std::int64_t unsure_us =
+                1 + std::llround(2 * LocalClock::rate_off_max * static_cast<double>(held_us));
             const std::int64_t round_trip_us = local_us - ours_us - held_us;
-            peer.filter.add(local_us - round_trip_us, local_us, sea_us);
+            if (round_trip_us < -unsure_us) // it was held for longer than it was away
+                return;
+            peer.filter.add(here_us - std::max<std::int64_t>(round_trip_us, 0), here_us, sea_us,
+                            unsure_us);
             peer.answered_us = local_us;
         }
         return; // one answer a word
@@ -101,7 +109,7 @@ void PeerClocks::make_place() {
     peers_.erase(std::ranges::min_element(peers_, counts_less));
 }
 
-PeersSeen PeerClocks::seen(LocalUs local_us, std::int64_t sea_us) const {
+PeersSeen PeerClocks::seen(LocalUs local_us) const {
     // Places of all clocks relative to this one, and how far they may be to either side of that.
     std::vector<double> places{0}, least{0}, most{0};
     {
@@ -109,11 +117,11 @@ PeersSeen PeerClocks::seen(LocalUs local_us, std::int64_t sea_us) const {
         for (const auto& [name, peer] : peers_) {
             if (!peer.answered_us || local_us - *peer.answered_us > heard_us)
                 continue;
-            const ClockStatus status = peer.filter.status(local_us);
-            const double place = status.offset_us - static_cast<double>(sea_us - local_us);
-            places.push_back(place);
-            least.push_back(place - status.error_us);
-            most.push_back(place + status.error_us);
+            // Not as of now: what each may have run off since grows until its next word, and with it what is certain would come and go.
+            const ClockStatus status = peer.filter.status(peer.filter.looked_us());
+            places.push_back(status.offset_us);
+            least.push_back(status.offset_us - status.error_us);
+            most.push_back(status.offset_us + status.error_us);
         }
     }
     const double middle = middle_of(places);

@@ -10,7 +10,9 @@
 // Judged by the middle of those that answer, this one included: of three servers the one whose clock is off sees two that agree.
 // With two nobody can tell which is off.
 //
-// Pure: local time is given in. Times are the time since the sea's epoch (SeaClock). Thread-safe.
+// How long words take and are held is measured by LocalClock: seas that are pulled towards a corrected UTC run apart meanwhile.
+//
+// Pure: times are given in, by LocalClock and since the sea's epoch (SeaClock). Thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +27,8 @@ namespace seaway::server {
 
 struct PeersSeen {
     int peers = 0;       ///< that have answered within heard_us
-    double ahead_us = 0; ///< this clock, of the middle one
-    double error_us = 0; ///< bound on that, of those of each clock
+    double ahead_us = 0; ///< this clock, of the middle one of all as they were last heard
+    double error_us = 0; ///< bound on that
     bool can_judge() const { return peers >= 2; }
 };
 
@@ -46,14 +48,14 @@ class PeerClocks {
 
     /// What is to be told to all, at this local time, which is `sea_us` of the sea.
     std::string word(LocalUs local_us, std::int64_t sea_us);
-    /// What another has told. Text that is none is let be.
-    void hear(const std::string& word, LocalUs local_us);
+    /// What another has told, when it was this time here. Text that is none is let be.
+    void hear(const std::string& word, LocalUs local_us, std::int64_t sea_us);
 
-    PeersSeen seen(LocalUs local_us, std::int64_t sea_us) const;
+    PeersSeen seen(LocalUs local_us) const;
 
   private:
     struct Peer {
-        ClockFilter filter;
+        ClockFilter filter;                 ///< its local clock is this sea
         std::optional<LocalUs> answered_us; ///< when it last said back what it heard of us
         LocalUs heard_us = 0;               ///< its last word, by our clock
         std::int64_t sent_us = 0;           ///< and by its own

@@ -8,23 +8,18 @@
 
 #include <fmt/format.h>
 
-namespace seaway::server {
-namespace {
+#include "base/local_clock.h"
 
-template <class Clock>
-std::int64_t now_of() {
-    return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch())
+namespace seaway::server {
+
+std::int64_t SeaClock::utc_now_us() {
+    return std::chrono::duration_cast<std::chrono::microseconds>(
+               std::chrono::system_clock::now().time_since_epoch())
         .count();
 }
 
-} // namespace
-
-std::int64_t SeaClock::utc_now_us() {
-    return now_of<std::chrono::system_clock>();
-}
-
 std::int64_t SeaClock::steady_now_us() {
-    return now_of<std::chrono::steady_clock>();
+    return local_now_us();
 }
 
 SeaClock::SeaClock(std::int64_t epoch_utc_us, Microseconds utc, Microseconds steady,

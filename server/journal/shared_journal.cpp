@@ -313,11 +313,9 @@ std::int64_t SharedJournal::utc_us() const {
 
 JournalStanding SharedJournal::standing() const {
     const std::scoped_lock lock(mutex_);
-    const std::int64_t elapsed_us = elapsed_us_ ? elapsed_us_() : 0;
     JournalStanding standing{.last_epoch = static_cast<std::uint32_t>(changes_.size()),
                              .unheard_us = options_.steady() - known_us_,
-                             .peers =
-                                 elapsed_us_ ? clocks_.seen(elapsed_us, elapsed_us) : PeersSeen{},
+                             .peers = elapsed_us_ ? clocks_.seen(options_.steady()) : PeersSeen{},
                              .trouble = trouble_};
     standing.current = standing.unheard_us <= current_us;
     standing.settles = !standing.current && sure_us_.has_value();
@@ -331,14 +329,17 @@ void SharedJournal::compare_clocks(std::function<std::int64_t()> elapsed_us) {
         const std::scoped_lock lock(mutex_);
         elapsed_us_ = std::move(elapsed_us);
     }
-    // By the clock of this sea: where all are pulled towards one UTC they are not apart.
+    // In this order what the sea shows lies within the trip, however long this thread waits for its processor in between.
     if (line_)
         line_->begin(
             [this] {
-                const std::int64_t now_us = elapsed_us_();
-                return clocks_.word(now_us, now_us);
+                const LocalUs local_us = options_.steady();
+                return clocks_.word(local_us, elapsed_us_());
             },
-            [this](const std::string& word) { clocks_.hear(word, elapsed_us_()); });
+            [this](const std::string& word) {
+                const std::int64_t sea_us = elapsed_us_();
+                clocks_.hear(word, options_.steady(), sea_us);
+            });
 }
 
 void SharedJournal::call_on_change(std::function<void()> call) {

@@ -16,6 +16,21 @@ namespace {
 
 namespace ssl = boost::asio::ssl;
 
+/// Of the handshake, which takes some six, of new keys and of attempts to begin anew, in the life of a connection: some peers take new
+/// keys after 2^24 messages. None of them shows above TLS, so no limit of bytes counts them, and each costs some microseconds.
+constexpr std::intptr_t handshake_messages_max = 100;
+
+/// By OpenSSL, of each message of its own: too many end the connection, as if its peer had closed it.
+void count_handshakes(int sends, int, int kind, const void*, std::size_t, SSL* peer, void*) {
+    static const int index = SSL_get_ex_new_index(0, nullptr, nullptr, nullptr, nullptr);
+    if (sends != 0 || kind != SSL3_RT_HANDSHAKE)
+        return;
+    const auto count = reinterpret_cast<std::intptr_t>(SSL_get_ex_data(peer, index)) + 1;
+    SSL_set_ex_data(peer, index, reinterpret_cast<void*>(count));
+    if (count > handshake_messages_max)
+        SSL_set_shutdown(peer, SSL_RECEIVED_SHUTDOWN | SSL_SENT_SHUTDOWN);
+}
+
 /// Of TLS 1.2; those of 1.3 are all of this kind.
 constexpr const char* cipher_suites = "ECDHE+AESGCM:ECDHE+CHACHA20";
 
@@ -28,6 +43,7 @@ Result<std::shared_ptr<ssl::context>> new_context() {
                      error);
     if (SSL_CTX_set_cipher_list(tls->native_handle(), cipher_suites) != 1)
         return Error{fmt::format("this OpenSSL has none of the cipher suites {}", cipher_suites)};
+    SSL_CTX_set_msg_callback(tls->native_handle(), count_handshakes);
     return tls;
 }
 

@@ -207,8 +207,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         if (core().stopping)
             return refuse_session(protocol::name(wire::ErrorCode::shutting_down),
                                   stopping_page(core()));
-        if (!offers(text(request[http::field::sec_websocket_protocol]),
-                    protocol::websocket_subprotocol))
+        const auto [first, last] = request.equal_range(http::field::sec_websocket_protocol);
+        if (std::none_of(first, last, [](const auto& field) {
+                return offers(text(field.value()), protocol::websocket_subprotocol);
+            }))
             return refuse_session("subprotocol",
                                   {.status = 400,
                                    .body = fmt::format("offer the subprotocol {}\n",
@@ -246,6 +248,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void respond(const Page& page, bool head_only, bool keep_alive) {
+        await_request(); // who does not read makes room, too
         write_page(core(), socket_, page, head_only, keep_alive,
                    [self = shared_from_this(), keep_alive](error_code error) {
                        if (error)

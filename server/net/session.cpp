@@ -47,6 +47,8 @@ void Session::dispatch(std::span<const std::uint8_t> bytes) {
     if (!greeted_ && m.body_type() != wire::Body::Hello)
         return close(ErrorCode::hello_expected, "the first message must be Hello");
     make_owed_spectra();
+    if (closing_ || ended_) // by what it was owed
+        return;
     switch (m.body_type()) {
     case wire::Body::Hello:
         return on_hello(*m.body_as_Hello());
@@ -129,18 +131,16 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
                       .predicted = subscribe.predicted(),
                       .rate_hz_max = subscribe.rate_hz_max(),
                       .size_max = subscribe.size_max()};
-    core_.host.subscriptions().erase(id_); // as if nothing had been granted before
-    const Demand grant = core_.host.grant(wish);
-    if (grant.empty() && subscription_)
-        core_.host.subscriptions().set(id_, subscription_->granted); // that goes on
-    if (grant.empty())
+    const Demand grant = core_.host.grant(wish, id_);
+    if (grant.empty()) // what was granted before goes on
         return refuse(request_id,
                       {grant.busy ? Refusal::busy : Refusal::not_offered,
                        grant.why.empty() ? "this sea offers none of these fields" : grant.why});
     if (subscription_ && subscription_->wish.predicted && !wish.predicted &&
         subscription_->wish.fields == wish.fields)
         ++core_.counters.predictions_given_up;
-    on_unsubscribe();
+    outbox_.stop_stream();
+    // At once: in a moment without either the simulation would end what nobody wants, foam's history too.
     core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
     subscription_ = Subscription{request_id, wish, subscribe.credit(), grant};
@@ -272,13 +272,16 @@ protocol::SharedBytes Session::next_message() {
     if (outbox_.paces_spectra())
         outbox_.allow_spectra(core_.host.sea_time_us());
     protocol::SharedBytes message = outbox_.next();
-    if (message != nullptr) {
-        ++messages_sent_;
-        bytes_sent_ += message->size();
-        ++core_.counters.messages_sent;
-        core_.counters.bytes_sent += message->size();
-    }
+    if (message != nullptr)
+        count_sent(*message);
     return message;
+}
+
+void Session::count_sent(const protocol::Bytes& message) {
+    ++messages_sent_;
+    bytes_sent_ += message.size();
+    ++core_.counters.messages_sent;
+    core_.counters.bytes_sent += message.size();
 }
 
 void Session::hello_overdue() {

@@ -55,6 +55,8 @@ class Session {
     /// False: enough replies wait; read nothing until it is true again.
     bool wants_requests() const;
     protocol::SharedBytes next_message();
+    /// Is sent, too.
+    void count_sent(const protocol::Bytes& message);
     /// All that next_message() has given is gone.
     void sent() { outbox_.sent(); }
     void hello_overdue();

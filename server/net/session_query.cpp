@@ -68,8 +68,11 @@ void Session::on_query(const wire::Query& query) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
-        if (asking == session)
-            return alive->find(session)->answered(asked, answers);
+        if (asking == session) {
+            if (Session* found = alive->find(session))
+                found->or_drop([&] { found->answered(asked, answers); });
+            return;
+        }
         alive->post([core, session, asked, answers = std::move(answers)] {
             const std::shared_ptr<Core> here = core.lock();
             if (Session* found = here ? here->find(session) : nullptr)

@@ -30,7 +30,7 @@ constexpr std::size_t idle_buffer_bytes = 16 * 1024;
 constexpr std::size_t gathered_bytes = 256 * 1024;
 /// What one call to the system takes is 64 buffers, two a message.
 constexpr std::size_t gathered_messages_max = 32;
-/// For GoAway and the closing handshake, after which the socket is closed hard.
+/// For GoAway and the peer's answer to it. Who has answered may take http_deadline to go (ServedWebSocket::leave).
 constexpr std::chrono::milliseconds close_deadline{1000};
 
 sockets::WebSocketOptions web_socket_options(const std::shared_ptr<Core>& core,
@@ -130,6 +130,7 @@ class StreamConnection final : public Link,
     /// What goes out in one write: the last word, or what the session has to send. False: there is more.
     bool gather() {
         if (go_away_ != nullptr) {
+            session_->count_sent(*go_away_);
             writing_.push_back(std::exchange(go_away_, nullptr));
             return true;
         }
@@ -329,9 +330,15 @@ class StreamConnection final : public Link,
             drop();
     }
 
-    /// Nothing is read or sent any more but the last word.
+    /// Nothing is read or sent any more but the last word. Who stays behind it makes room for a newcomer.
     void leave() {
         nothing_more();
+        awaits_end_.take(slot_.door().awaiting_requests, peer_.address, [weak = weak_from_this()] {
+            if (const auto self = weak.lock()) {
+                self->awaits_end_.leave();
+                self->drop();
+            }
+        });
         ws_.leave([self = shared_from_this()] { self->drop(); });
     }
     void nothing_more() noexcept {
@@ -356,6 +363,7 @@ class StreamConnection final : public Link,
     Peer peer_;
     const Standing standing_;
     WaitingLine::Place awaits_hello_; ///< strangers only
+    WaitingLine::Place awaits_end_;   ///< of the peer, which has been told
     asio::steady_timer hello_timer_;
     asio::steady_timer write_timer_;
     asio::steady_timer close_timer_;

@@ -81,29 +81,6 @@ TEST_F(LiveGoesOn, leaves_at_once_in_the_middle_of_an_attempt) {
     client->reset(); // or this test does not end within an hour
 }
 
-// As of a journal that was put back: the sea of before would go on at this client, and at nobody else.
-TEST_F(LiveGoesOn, a_server_that_does_not_know_the_sea_that_should_run_has_another) {
-    for (const bool begun : {true, false}) {
-        std::atomic<int> told = 0;
-        const auto client =
-            Client::connect({.url = url}, {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
-        ASSERT_TRUE(client) << client.error().message;
-        const auto first = sea.sea_state_messages().front();
-        protocol::SeaStateValues state =
-            protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
-        state.epoch = sea.epoch + 2;
-        state.start_time_us = sea.sea_time_us() + (begun ? -1'000'000 : 3'600'000'000);
-        net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
-        ASSERT_TRUE(eventually([&] { return told == 2; }));
-        line->cut();
-        ASSERT_TRUE(eventually([&] { return told == 3; }));
-        ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
-        const sea::TimeUs later_us = state.start_time_us + 1'000'000;
-        EXPECT_EQ((*client)->sea_state(later_us)->epoch, begun ? sea.epoch : state.epoch);
-        EXPECT_EQ((*client)->status().seas, begun ? 2 : 1) << (*client)->status().reason;
-    }
-}
-
 // Naive: until the handshake's patience is over, which is that of connecting.
 TEST_F(LiveGoesOn, a_peer_that_answers_no_goodbye_is_left_all_the_same) {
     const auto opened = open_websocket(*parse_url(url), {.connect_timeout_s = 3600});

@@ -131,9 +131,14 @@ class WaveSea : public server::Host {
                                std::chrono::steady_clock::now() - started_)
                                .count();
     }
+    sea::SeaTime sea_time() const override {
+        sea::SeaTime time = sea_time_us();
+        time.unsure_us = unsure_us;
+        return time;
+    }
     std::vector<server::SharedBytes> sea_state_messages() const override {
         protocol::SeaStateValues state;
-        state.epoch = epoch;
+        state.epoch = told_epoch;
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
             state.cascades.push_back({.length_m = sea_->cascades[c].spec.length_m,
                                       .size = wave_map_size,
@@ -154,7 +159,8 @@ class WaveSea : public server::Host {
         state.probe_error_m = sea::probe_error_m;
         return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
     }
-    server::Demand grant(const server::Demand& wish) const override {
+    server::Demand grant(const server::Demand& wish,
+                         std::optional<server::SessionId> = {}) const override {
         wished_error_m = wish.error_m;
         server::Demand grant = wish;
         grant.cascades &= 3u;
@@ -229,6 +235,8 @@ class WaveSea : public server::Host {
         return server::GrantedSpectrum{0.001f, 1.0f, request.wish.fields, "", {made}};
     }
     std::function<void(sea::WaveBlock&)> spectrum_change = {};
+    std::atomic<std::uint32_t> told_epoch = epoch; ///< of the sea that runs
+    std::atomic<sea::TimeUs> unsure_us = 0;        ///< for how long it has doubted it
 
     std::string state_json() const override { return "{}"; }
     std::string plan_json() const override { return "{}"; }

@@ -219,14 +219,17 @@ class LyingPeer {
         : clocks_(name), line_(server::NatsConnection::make(
                                    server::read_nats_url(NatsServer::url(port, world)).value())
                                    .value()) {
+        const auto sea_us = [=] {
+            return server::SeaClock::utc_now_us() - epoch_utc_us + std::llround(1e6 * ahead_s);
+        };
         line_.begin(
             [=, this] {
-                return clocks_.word(server::SeaClock::steady_now_us(),
-                                    server::SeaClock::utc_now_us() - epoch_utc_us +
-                                        std::llround(1e6 * ahead_s));
+                const std::int64_t local_us = server::SeaClock::steady_now_us();
+                return clocks_.word(local_us, sea_us());
             },
-            [this](const std::string& word) {
-                clocks_.hear(word, server::SeaClock::steady_now_us());
+            [=, this](const std::string& word) {
+                const std::int64_t here_us = sea_us();
+                clocks_.hear(word, server::SeaClock::steady_now_us(), here_us);
             });
     }
 

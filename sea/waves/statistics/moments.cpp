@@ -7,6 +7,8 @@
 #include <complex>
 #include <limits>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "sea/basics/quadrature.h"
 #include "sea/waves/directional_spectrum.h"
@@ -78,21 +80,44 @@ double kept_variance(const DirectionalSpectrum& spectrum, const Dispersion& disp
     return sum;
 }
 
+/// Waves given one by one. Rows of one wave are one wave: they add up with their phases, as they do in a tile.
+struct GivenWaves {
+    double length_m;
+    std::map<std::pair<int, int>, std::complex<double>> amplitudes_m;
+};
+
+std::vector<GivenWaves> given_waves(const SeaState& sea) {
+    std::vector<GivenWaves> tiles;
+    for (const WaveSystem& system : sea.systems) {
+        const auto* modes = std::get_if<ExplicitModes>(&system);
+        if (!modes)
+            continue;
+        auto tile = std::ranges::find_if(tiles, [&](const GivenWaves& held) {
+            return same_tile_length(held.length_m, modes->length_m);
+        });
+        if (tile == tiles.end())
+            tile = tiles.insert(tile, {modes->length_m, {}});
+        for (const ExplicitMode& mode : modes->modes)
+            tile->amplitudes_m[{mode.nx, mode.ny}] +=
+                mode.amplitude_m * std::polar(1.0, mode.phase_rad);
+    }
+    return tiles;
+}
+
 /// Waves that are not drawn from a spectrum: f(variance, omega, k, direction, still) for each;
 /// `still`: it moves nothing sideways.
 template <class F>
 void over_explicit(const SeaState& sea, const F& f) {
     const Dispersion dispersion = sea.dispersion();
-    const auto one = [&](double length_m, int nx, int ny, double amplitude_m) {
-        const double k = two_pi / length_m * std::hypot(nx, ny);
-        const double amplitude = sea.height_scale * std::abs(amplitude_m);
-        if (k > 0.0 && amplitude > 0.0)
-            f(0.5 * amplitude * amplitude, dispersion.omega(k), k, std::atan2(ny, nx), false);
-    };
+    for (const GivenWaves& tile : given_waves(sea))
+        for (const auto& [at, amplitude_m] : tile.amplitudes_m) {
+            const double k = two_pi / tile.length_m * std::hypot(at.first, at.second);
+            const double amplitude = sea.height_scale * std::abs(amplitude_m);
+            if (k > 0.0 && amplitude > 0.0)
+                f(0.5 * amplitude * amplitude, dispersion.omega(k), k,
+                  std::atan2(at.second, at.first), false);
+        }
     for (std::size_t s = 0; s < sea.systems.size(); ++s) {
-        if (const auto* modes = std::get_if<ExplicitModes>(&sea.systems[s]))
-            for (const ExplicitMode& mode : modes->modes)
-                one(modes->length_m, mode.nx, mode.ny, mode.amplitude_m);
         if (const auto* ramps = std::get_if<SineRamps>(&sea.systems[s])) {
             SineField field = sine_field(*ramps, sea.seed, static_cast<std::uint32_t>(s),
                                          dispersion, sea.height_scale, 0);

@@ -43,8 +43,8 @@ TEST(Clock, shows_the_first_sample_at_once) {
     // Half way between sending and receiving the sea was at 50 ms.
     EXPECT_EQ(clock.now(2000), 50'000);
     EXPECT_EQ(clock.now(2500), 50'500);
-    // Half of the trip, whole microseconds, and what clocks run apart in half a millisecond.
-    EXPECT_DOUBLE_EQ(clock.status(2500).error_us, 1000 + 1 + 0.75);
+    // Half of the trip, what clocks run apart in that, whole microseconds, and what they run apart in half a millisecond.
+    EXPECT_DOUBLE_EQ(clock.status(2500).error_us, 1000 + 1 + 1.5 + 0.5);
 }
 
 // Naive: samples from before and after are mixed for a minute, and the error is said to be milliseconds: after a machine has slept,
@@ -170,7 +170,7 @@ TEST(Clock, an_error_bound_covers_the_truth_whatever_clocks_do_within_their_limi
                                                   ClockFilter::rate_off_max),
                 lot(0, 1);
             std::exponential_distribution<> queue_us(1 / way_us);
-            const double share = seed % 2 == 0 ? 0.5 : 1; // of the trip on the way there
+            const double share = 0.5 * (seed % 3); // of the trip on the way there
             ClockFilter clock;
             double sea_us = 5e9, sea_rate = 0, next_s = 0;
             std::vector<double> tight_us;
@@ -207,9 +207,37 @@ TEST(Clock, an_error_bound_covers_the_truth_whatever_clocks_do_within_their_limi
             // At most the whole of what looks allow: half a trip with its queue to either side, and what clocks run apart in the
             // second from one look to the next.
             std::ranges::sort(tight_us);
-            EXPECT_LT(tight_us[tight_us.size() / 2], 2 * (1.5 * way_us + 1'500)) << way_us;
+            EXPECT_LT(tight_us[tight_us.size() / 2], 2 * (1.5 * way_us + 1'000)) << way_us;
             EXPECT_GT(clock.status(200 * second_us).samples, 10) << "looks agree with each other";
         }
+}
+
+// Naive: looks from before that happen to agree with the last one narrow what it allows.
+TEST(Clock, after_a_clock_was_set_the_last_look_alone_counts) {
+    ClockFilter clock;
+    clock.add(0, 2'000, 1'000);                                     // there and back in 1 ms each
+    clock.add(second_us, second_us + 121'000, second_us + 120'000); // slow on the way there
+    clock.add(2 * second_us, 2 * second_us + 30'000,
+              2 * second_us + 15'000 + 130'000); // set by 130 ms
+    const ClockStatus status = clock.status(2 * second_us + 30'000);
+    EXPECT_NEAR(status.offset_us, 130'000, status.error_us);
+    EXPECT_EQ(status.samples, 1);
+}
+
+// What a system does to a clock of its own that it slews by percents: for so long as that the bound does not hold, and from the
+// next look on it does again.
+TEST(Clock, a_rate_beyond_those_of_clocks_costs_one_look) {
+    ClockFilter clock;
+    const auto truth_us = [](LocalUs local_us) {
+        return local_us + std::clamp<LocalUs>(local_us - 60 * second_us, 0, second_us) / 50;
+    };
+    for (LocalUs now_us = 0; now_us < 70 * second_us; now_us += second_us) {
+        clock.add(now_us - 200, now_us + 200, truth_us(now_us));
+        const ClockStatus status = clock.status(now_us + 200);
+        EXPECT_NEAR(status.offset_us + static_cast<double>(now_us) + 200,
+                    static_cast<double>(truth_us(now_us + 200)), status.error_us + 4);
+        EXPECT_EQ(status.samples == 1, now_us == 0 || now_us == 61 * second_us) << now_us;
+    }
 }
 
 // A line through a minute of looks turns slowly; over a line of 0.2 ms what they allow says it within a second.
@@ -224,8 +252,8 @@ TEST(Clock, a_pull_that_begins_is_followed_as_fast_as_looks_tell_it) {
             const ClockStatus status = clock.status(now_us + after_us);
             const double off_us = status.offset_us + static_cast<double>(now_us + after_us) -
                                   truth_us(now_us + after_us);
-            EXPECT_LE(std::abs(off_us), 101 + 2e-3 * static_cast<double>(after_us)) << now_us;
-            EXPECT_LE(status.error_us, 203 + 3e-3 * static_cast<double>(after_us)) << now_us;
+            EXPECT_LE(std::abs(off_us), 102 + 1.4e-3 * static_cast<double>(after_us)) << now_us;
+            EXPECT_LE(status.error_us, 204 + 2e-3 * static_cast<double>(after_us)) << now_us;
         }
     }
 }
@@ -290,7 +318,7 @@ TEST(Clock, forgets_a_sample_after_a_minute) {
     EXPECT_EQ(status.samples, 60);
     EXPECT_EQ(status.round_trip_us, 80'000);
     EXPECT_NEAR(status.offset_us, 5'020'000, 1) << "the old offset weighs nothing";
-    EXPECT_NEAR(status.error_us, 40'000 + 60, 2) << "half a trip, and what clocks run apart in it";
+    EXPECT_NEAR(status.error_us, 40'000 + 80, 2) << "half a trip, and what clocks run apart in it";
 }
 
 TEST(Clock, keeps_a_bounded_number_of_samples_however_fast_they_come) {
@@ -302,7 +330,7 @@ TEST(Clock, keeps_a_bounded_number_of_samples_however_fast_they_come) {
 
 TEST(Clock, does_not_follow_a_drift_that_no_quartz_has) {
     ClockFilter clock;
-    Link link{.drift_ppm = 3000, .queue_mean_us = 8000};
+    Link link{.drift_ppm = 900, .queue_mean_us = 8000};
     for (LocalUs now_us = 0; now_us < 60 * second_us; now_us += second_us / 2)
         link.ping(clock, now_us);
     EXPECT_DOUBLE_EQ(clock.status(60 * second_us).drift_ppm, 500);

@@ -3,6 +3,7 @@
 // lattice and the scale of heights.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <tuple>
 
@@ -124,6 +125,29 @@ TEST(ExplicitWaves, waves_given_by_hand_are_known_as_such_for_as_long_as_they_ar
             EXPECT_FALSE(sea->cascades[0].is_given(mode + 1)) << back;
         }
     }
+}
+
+// Naive: each row has an energy of its own, and what was asked for is not what the tile holds.
+TEST(ExplicitWaves, rows_of_one_wave_are_one_wave) {
+    for (const bool in_two_systems : {false, true})
+        for (const auto& [phase_rad, amplitude_m] : {std::pair(0.0, 1.0),
+                                                     {std::numbers::pi / 2, std::sqrt(0.5)},
+                                                     {std::numbers::pi, 0.0}}) {
+            SeaState sea = sea_of({{5, -2, 0.5, 0}});
+            ExplicitModes again = std::get<ExplicitModes>(sea.systems[0]);
+            again.modes[0].phase_rad = phase_rad;
+            if (in_two_systems)
+                sea.systems.emplace_back(again);
+            else
+                std::get<ExplicitModes>(sea.systems[0]).modes.push_back(again.modes[0]);
+            const SeaSummary summary = summary_of(sea);
+            EXPECT_NEAR(summary.requested.significant_height_m, 4 * amplitude_m / std::sqrt(2.0),
+                        1e-12)
+                << phase_rad;
+            EXPECT_NEAR(summary.realised.significant_height_m,
+                        summary.requested.significant_height_m, 1e-12)
+                << phase_rad;
+        }
 }
 
 // Naive: towards the east, whatever was asked for.

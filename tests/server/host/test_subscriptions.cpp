@@ -42,6 +42,9 @@ TEST(Subscriptions, a_quality_is_in_use_for_as_long_as_somebody_has_it) {
     all.set(3, {.cascades = 1u, .fields = {Field::height}, .quality = 5});
     EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(2).set(5));
     EXPECT_EQ(all.qualities(1), std::bitset<quality_rungs>{}.set(2)) << "of a cascade";
+    EXPECT_EQ(all.qualities_but(3), std::bitset<quality_rungs>{}.set(2)) << "but one";
+    EXPECT_EQ(all.qualities_but(2), all.qualities()) << "another has it, too";
+    EXPECT_EQ(all.qualities_but(9), all.qualities());
     all.set(3, {.cascades = 1u, .fields = {Field::slope_x}, .quality = 0});
     all.erase(1);
     EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(0).set(2));

@@ -78,6 +78,15 @@ class RawPeer {
     std::unique_ptr<Impl> impl_;
 };
 
+/// A masked closing frame with key 0 (RFC 6455, 5.5.1).
+inline std::string closing_frame(unsigned code, const std::string& reason) {
+    std::string frame{'\x88', static_cast<char>(0x80 | (2 + reason.size()))};
+    frame += std::string(4, '\0');
+    frame += static_cast<char>(code >> 8);
+    frame += static_cast<char>(code & 0xff);
+    return frame + reason;
+}
+
 struct HttpAnswer {
     int status = 0;
     std::string body;

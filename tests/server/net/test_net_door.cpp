@@ -3,95 +3,13 @@
 #include "protocol/limits.h"
 #include "server/net/pages.h"
 #include "server/net/session.h"
-#include "tests/server/net/net_fixture.h"
+#include "tests/server/net/door_fixture.h"
 
 namespace seaway::tests {
 namespace {
 
 using wire::Body;
 using wire::ErrorCode;
-
-constexpr const char* neighbour = "127.0.0.2";
-
-class NetDoor : public NetTest {
-  protected:
-    NetDoor() {
-        options.hello_deadline = std::chrono::minutes(5); // who is silent stays
-        options.http_deadline = std::chrono::minutes(5);
-    }
-    void ask_for_tokens() {
-        options.client_token_file = folder().write("door_client", "open sesame\n");
-        options.admin_token_file = folder().write("door_admin", "master\n");
-    }
-    int status(const std::string& target, const std::string& token = {},
-               const std::string& from = {}) {
-        return ask_http(port(), target, "GET", token.empty() ? "" : "Bearer " + token, from).status;
-    }
-    /// What the server says at `target` with the right token.
-    double counted(const std::string& name, const std::string& token = {}) {
-        const int from = net->health_port() > 0 ? net->health_port() : port();
-        const std::string text =
-            ask_http(from, "/metrics", "GET", token.empty() ? "" : "Bearer " + token, "127.0.0.9")
-                .body;
-        const std::size_t at = text.find("\n" + name + " ");
-        return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
-    }
-    /// 0: came in; else the code of the close, or the HTTP status that was no upgrade.
-    unsigned knock(const std::string& token, const std::string& from = {},
-                   const std::string& fields = {}) {
-        Client client(port(), from);
-        if (client.connect("seaway.v1", fields))
-            return static_cast<unsigned>(client.status());
-        return client.greet(token) ? 0u : client.close_code();
-    }
-    /// Again and again on one connection.
-    static bool is_served(RawPeer& peer) {
-        peer.say("GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
-        return peer.header().find("200 OK") != std::string::npos;
-    }
-    std::vector<std::unique_ptr<RawPeer>> silent_crowd(int count) const {
-        std::vector<std::unique_ptr<RawPeer>> crowd;
-        for (int i = 0; i < count; ++i)
-            crowd.push_back(std::make_unique<RawPeer>(port()));
-        return crowd;
-    }
-    static std::string bearer(const std::string& token) {
-        return "Authorization: Bearer " + token + "\r\n";
-    }
-};
-
-// Naive: whoever has waited longest makes room, and that is the neighbour between two requests.
-TEST_F(NetDoor, a_crowd_of_silent_connections_of_one_address_is_its_own_affair) {
-    options.connections_max = 40;
-    options.connections_per_address = 10;
-    start();
-    RawPeer idle(port(), 0, neighbour);
-    EXPECT_TRUE(is_served(idle));
-    const auto crowd = silent_crowd(100);
-    EXPECT_EQ(status("/healthz", "", neighbour), 200);
-    EXPECT_EQ(status("/healthz"), 200) << "one more of the same address takes an old one's place";
-    EXPECT_EQ(knock("", neighbour), 0u);
-    EXPECT_LE(counted("seaway_net_connections"), 13) << "ten, the idle one, those who ask";
-    EXPECT_GE(counted("seaway_net_connections_given_up_total"), 90);
-    EXPECT_TRUE(is_served(idle)) << "nobody sent it away";
-    net->stop();
-    EXPECT_EQ(
-        log.lines_with("event=connections_crowded", "address=127.0.0.1 reason=address_full").size(),
-        1u)
-        << log.text();
-    EXPECT_TRUE(log.lines_with("event=connections_crowded", "address=127.0.0.2").empty());
-}
-
-TEST_F(NetDoor, where_the_server_is_full_the_largest_crowd_makes_room) {
-    options.connections_max = 10;
-    options.connections_per_address = 0; // no limit: as if a proxy were in front
-    start();
-    RawPeer idle(port(), 0, neighbour);
-    EXPECT_TRUE(is_served(idle));
-    const auto crowd = silent_crowd(30);
-    EXPECT_EQ(status("/healthz", "", "127.0.0.3"), 200);
-    EXPECT_TRUE(is_served(idle));
-}
 
 TEST_F(NetDoor, sessions_without_hello_are_few_for_one_address_and_give_way_to_others) {
     options.sessions_max = 4;

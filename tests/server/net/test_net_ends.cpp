@@ -18,15 +18,6 @@ class NetEnds : public NetTest {
     }
 };
 
-/// A masked closing frame with key 0 (RFC 6455, 5.5.1).
-std::string closing_frame(unsigned code, const std::string& reason) {
-    std::string frame{'\x88', static_cast<char>(0x80 | (2 + reason.size()))};
-    frame += std::string(4, '\0');
-    frame += static_cast<char>(code >> 8);
-    frame += static_cast<char>(code & 0xff);
-    return frame + reason;
-}
-
 // One session a way to end, each as often as no other.
 TEST_F(NetEnds, each_way_to_end_has_its_own_count_and_its_own_line) {
     options.hello_deadline = options.idle_timeout = std::chrono::minutes(5);

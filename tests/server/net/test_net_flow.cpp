@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <future>
+#include <mutex>
 
 #include "protocol/limits.h"
 #include "server/net/encode_worker.h"
@@ -258,6 +259,24 @@ TEST_F(NetStream, another_subscription_begins_without_what_waited_and_with_what_
     ASSERT_FALSE(client->send(protocol::ack(number)));
     streamed(12, wire::Field::foam);
     expect_no_tile();
+}
+
+// Naive: the first is given back before the other is granted, and a simulation that looks in between ends what nobody wants.
+TEST_F(NetStream, another_subscription_takes_the_place_of_the_first_with_no_moment_between) {
+    struct Seen {
+        std::mutex mutex;
+        std::vector<sea::FieldSet> wanted;
+    };
+    const auto seen = std::make_shared<Seen>();
+    host.subscriptions().on_change([this, seen] {
+        const std::scoped_lock lock(seen->mutex);
+        seen->wanted.push_back(host.subscriptions().wanted(0));
+    });
+    client_with_one_waiting();
+    subscribe_again(sea::Field::foam, 1);
+    const std::scoped_lock lock(seen->mutex);
+    EXPECT_EQ(seen->wanted,
+              (std::vector{sea::FieldSet{sea::Field::height}, sea::FieldSet{sea::Field::foam}}));
 }
 
 TEST_F(NetStream, each_subscription_has_the_credit_that_it_asks_for) {

@@ -77,6 +77,20 @@ TEST_F(NetHttp, every_answer_says_which_program_it_is_and_is_not_to_be_kept) {
         << upgraded;
 }
 
+// RFC 6455, 11.3.4: the field may stand several times.
+TEST_F(NetHttp, subprotocols_may_be_offered_on_several_lines) {
+    start();
+    for (const bool offered : {true, false}) {
+        RawPeer peer(port());
+        peer.say("GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\nConnection: "
+                 "Upgrade\r\n"
+                 "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                 "Sec-WebSocket-Protocol: other\r\nSec-WebSocket-Protocol: " +
+                 std::string(offered ? "more, seaway.v1" : "more") + "\r\n\r\n");
+        EXPECT_NE(peer.header().find(offered ? "101 Switching" : "400 Bad"), std::string::npos);
+    }
+}
+
 // What it shows its script asks for (tests/browser): this is the same whatever sea there is, and may load nothing of others.
 TEST_F(NetHttp, the_page_for_people_is_a_shell_that_loads_its_own_script_and_nothing_else) {
     options.sessions_max = 17;

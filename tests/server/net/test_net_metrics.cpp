@@ -218,8 +218,8 @@ const std::map<std::string, double> happened{
     {"seaway_net_requests_refused_total{code=\"too_many_points\"}", 1},
     {"seaway_net_requests_refused_total{code=\"not_offered\"}", 1},
     {"seaway_net_messages_received_total", 9}, // the rude ping and eight of the session
-    // Welcome, state, 2 replies, 2 refusals, 2 tiles and done, grant, 4 tiles and done, 2 tiles.
-    {"seaway_net_messages_sent_total", 17},
+    // Welcome, state, 2 replies, 2 refusals, 2 tiles and done, grant, 4 tiles and done, 2 tiles; and to the rude ping a GoAway.
+    {"seaway_net_messages_sent_total", 18},
     {"seaway_net_queries_total", 2},
     {"seaway_net_query_points_total", 5},
     {"seaway_net_fetches_total", 3},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The same port with TLS: a client that is bare OpenSSL over a socket.
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
 
@@ -93,6 +94,11 @@ class TlsPeer {
     bool renegotiates() {
         return SSL_renegotiate(ssl_.get()) == 1 && SSL_do_handshake(ssl_.get()) == 1;
     }
+    /// False: nobody takes it any more.
+    bool takes_new_keys() {
+        return SSL_key_update(ssl_.get(), SSL_KEY_UPDATE_NOT_REQUESTED) == 1 &&
+               SSL_do_handshake(ssl_.get()) == 1;
+    }
     void say(std::string_view text) {
         EXPECT_EQ(SSL_write(ssl_.get(), text.data(), static_cast<int>(text.size())),
                   static_cast<int>(text.size()));
@@ -150,6 +156,22 @@ TEST_F(NetTls, pages_and_streams_are_served) {
     frame.append(hello.begin(), hello.end());
     peer.say(frame);
     EXPECT_NE(peer.hear("seaway " SEAWAY_VERSION).find("SEAW"), std::string::npos) << "Welcome";
+}
+
+// They are TLS's own: no limit of bytes above it sees them, and each costs the thread of the network microseconds.
+TEST_F(NetTls, who_takes_new_keys_without_end_is_let_go_and_who_does_so_now_and_then_is_not) {
+    ::signal(SIGPIPE, SIG_IGN);
+    TlsPeer now_and_then(net->port()), without_end(net->port());
+    ASSERT_TRUE(now_and_then.handshake() && without_end.handshake());
+    for (int i = 0; i < 20; ++i)
+        ASSERT_TRUE(now_and_then.takes_new_keys());
+    int taken = 0;
+    while (taken < 1'000'000 && without_end.takes_new_keys())
+        ++taken;
+    EXPECT_LT(taken, 1'000'000);
+    const std::string_view question = "GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
+    now_and_then.say(question);
+    EXPECT_NE(now_and_then.hear("ok\n").find("200 OK"), std::string::npos);
 }
 
 TEST_F(NetTls, versions_before_1_2_are_refused) {

@@ -108,7 +108,8 @@ class SmallSea : public server::Host {
     }
     std::map<std::uint32_t, protocol::SharedBytes>
         told_later; ///< by epoch, where its waves are sent
-    server::Demand grant(const server::Demand& wish) const override {
+    server::Demand grant(const server::Demand& wish,
+                         std::optional<server::SessionId> = {}) const override {
         server::Demand grant = wish;
         grant.cascades &= 3u;
         grant.fields = sea::FieldSet::from_bits(wish.fields.bits() & offered.bits());

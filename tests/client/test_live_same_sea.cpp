@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which sea a client that comes back finds: that of before, another one, or that of a server that lags behind.
+#include <atomic>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/client.h"
+#include "tests/client/wave_server.h"
+#include "tests/support/fault_proxy.h"
+
+namespace seaway::client {
+namespace {
+
+using tests::eventually;
+using tests::FaultProxy;
+
+class LiveSameSea : public tests::WaveServer {
+  protected:
+    std::unique_ptr<FaultProxy> line;
+    std::string url;
+
+    /// As that of the sea which runs, but for epoch and beginning.
+    void announce(std::uint32_t epoch, sea::TimeUs start_us) {
+        const auto first = sea.sea_state_messages().front();
+        protocol::SeaStateValues state =
+            protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
+        state.epoch = epoch;
+        state.start_time_us = start_us;
+        net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
+    }
+
+    void SetUp() override {
+        WaveServer::SetUp();
+        line = std::make_unique<FaultProxy>(net->port());
+        url = "ws://127.0.0.1:" + std::to_string(line->port());
+    }
+};
+
+// As of a journal that was put back: the sea of before would go on at this client, and at nobody else.
+TEST_F(LiveSameSea, a_server_that_does_not_know_the_sea_that_should_run_has_another) {
+    for (const bool begun : {true, false}) {
+        std::atomic<int> told = 0;
+        const auto client =
+            Client::connect({.url = url}, {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
+        ASSERT_TRUE(client) << client.error().message;
+        const sea::TimeUs start_us = sea.sea_time_us() + (begun ? -1'000'000 : 3'600'000'000);
+        announce(sea.epoch + 2, start_us);
+        ASSERT_TRUE(eventually([&] { return told == 2; }));
+        line->cut();
+        ASSERT_TRUE(eventually([&] { return told == 3; }));
+        ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
+        EXPECT_EQ((*client)->sea_state(start_us + 1'000'000)->epoch,
+                  begun ? sea.epoch : sea.epoch + 2);
+        EXPECT_EQ((*client)->status().seas, begun ? 2 : 1) << (*client)->status().reason;
+    }
+}
+
+// What it does not know of cannot have been taken back: its log has not been heard since before.
+TEST_F(LiveSameSea, a_server_that_lags_behind_its_log_is_not_taken_for_another) {
+    for (const bool lags : {true, false}) {
+        sea.told_epoch = sea.epoch + 2;
+        sea.unsure_us = 0;
+        const auto client = Client::connect({.url = url});
+        ASSERT_TRUE(client) << client.error().message;
+        sea.told_epoch = sea.epoch;
+        // Its seas begin at minus a minute.
+        sea.unsure_us = lags ? sea.sea_time_us() + 120'000'000 : 0;
+        line->cut();
+        ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
+        EXPECT_EQ((*client)->status().seas, lags ? 1 : 2) << (*client)->status().reason;
+    }
+}
+
+// Of a journal that was put back there is time to tell only once it should have begun.
+TEST_F(LiveSameSea, what_was_announced_and_does_not_begin_is_forgotten) {
+    std::atomic<int> told = 0;
+    const auto client =
+        Client::connect({.url = url}, {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
+    ASSERT_TRUE(client) << client.error().message;
+    const sea::TimeUs start_us = sea.sea_time_us() + 3'000'000;
+    announce(sea.epoch + 1, start_us);
+    ASSERT_TRUE(eventually([&] { return told == 2; }));
+    line->cut();
+    ASSERT_TRUE(eventually([&] { return told == 3; }));
+    EXPECT_TRUE(eventually([&] { return (*client)->status().seas == 2; }));
+    EXPECT_GT((*client)->now_us(), start_us - 100'000);
+    EXPECT_EQ((*client)->sea_state(start_us + 1)->epoch, sea.epoch);
+    announce(sea.epoch + 1, sea.sea_time_us() + 1'000'000); // its number is given anew
+    EXPECT_TRUE(eventually(
+        [&] { return (*client)->sea_state((*client)->now_us())->epoch == sea.epoch + 1; }));
+    EXPECT_EQ((*client)->status().seas, 2);
+}
+
+// Naive: its sea stands for ever, while that of everybody else goes on.
+TEST_F(LiveSameSea, a_server_that_does_not_know_of_a_pause_has_another_sea) {
+    const auto client = Client::connect({.url = url});
+    ASSERT_TRUE(client) << client.error().message;
+    const sea::TimeUs now_us = sea.sea_time_us();
+    net->announce(
+        std::make_shared<const protocol::Bytes>(protocol::pace(sea::Pace{now_us, now_us, 0})));
+    const auto stands = [&] {
+        const sea::TimeUs before_us = (*client)->now_us();
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        return (*client)->now_us() == before_us;
+    };
+    ASSERT_TRUE(eventually(stands));
+    line->cut();
+    EXPECT_TRUE(eventually([&] { return (*client)->status().seas == 2; }));
+    EXPECT_THAT((*client)->status().reason, testing::HasSubstr("pace"));
+    EXPECT_TRUE(eventually([&] { return !stands(); }));
+}
+
+} // namespace
+} // namespace seaway::client
