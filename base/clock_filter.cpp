@@ -27,13 +27,12 @@ LocalUs difference(std::int64_t a, std::int64_t b) {
 
 } // namespace
 
-void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us,
-                      LocalUs unsure_us) {
+void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us) {
     if (received_us < sent_us)
         return;
     const LocalUs round_trip_us = received_us - sent_us;
     const LocalUs middle_us = sent_us + round_trip_us / 2;
-    window_.push_back({middle_us, round_trip_us, difference(sea_time_us, middle_us), unsure_us});
+    window_.push_back({middle_us, round_trip_us, difference(sea_time_us, middle_us)});
     while (window_.size() > samples_max || window_.front().middle_us < middle_us - window_us)
         window_.pop_front();
     bound();
@@ -50,8 +49,7 @@ void ClockFilter::bound() {
         const auto offset_us = static_cast<double>(difference(sample.offset_us, base_us_));
         // What was said was so somewhere within the trip.
         const double off_us = rounding_us +
-                              0.5 * (1 + rate_off_max) *
-                                  static_cast<double>(sample.round_trip_us + sample.unsure_us) +
+                              0.5 * (1 + rate_off_max) * static_cast<double>(sample.round_trip_us) +
                               rate_off_max * static_cast<double>(heard_us_ - sample.middle_us);
         at_heard_.least_us = std::max(at_heard_.least_us, offset_us - off_us);
         at_heard_.most_us = std::min(at_heard_.most_us, offset_us + off_us);

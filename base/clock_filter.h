@@ -40,15 +40,14 @@ class ClockFilter {
     static constexpr double slew_rate = 0.005;
     /// Larger differences are not slewed: forward at once, and after begin_anew() at twice the speed; backward at half of it.
     static constexpr double step_us = 250'000;
-    /// Two clocks run apart by no more, as parts of one: two servers that pull their sea times towards UTC (SeaClock) by 0.4 ms a second each
-    /// way, and two oscillators that are off by less than 0.1 (LocalClock). Or one server, and a client without such a clock
-    /// whose system follows UTC by adjtime, up to 0.5.
-    static constexpr double rate_off_max = 1e-3;
+    /// Two clocks run apart by no more, as parts of one: a server pulls its sea time towards UTC by 0.4 ms a second (SeaClock), systems that
+    /// correct their clocks do so by up to 0.5 (adjtime; chrony where `maxslewrate 500` says so), and quartz is off by less than
+    /// 0.1. Beyond that no bound holds, until the next look.
+    static constexpr double rate_off_max = 1.5e-3;
 
     /// A reply: sent and received in local time, and the sea time that the server wrote into it.
     /// A reply that came before it was sent is ignored.
-    /// `unsure_us`: the trip may have begun so much earlier or later.
-    void add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us, LocalUs unsure_us = 0);
+    void add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us);
 
     /// Another server of the same time answers from now on: what was shown goes on from there, slewed. At least one
     /// add() follows before anything is read.
@@ -71,7 +70,6 @@ class ClockFilter {
         LocalUs middle_us; ///< local time half way
         LocalUs round_trip_us;
         LocalUs offset_us; ///< sea time less local time at the middle
-        LocalUs unsure_us;
     };
 
     /// Offsets that looks allow, relative to base_us_.

@@ -121,26 +121,6 @@ void Client::take_grant(const Grant& grant) {
         connection->unsubscribe();
 }
 
-void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
-    events.on_clock = [this, joining](LocalUs sent_us, LocalUs received_us,
-                                      const sea::SeaTime& said) {
-        const std::scoped_lock lock(mutex_);
-        const Joining::Look look{sent_us, received_us, said.elapsed_us, said.unsure_us};
-        if (joining->joined) {
-            hear(look);
-            forget_lost_seas(*joining, look);
-        } else
-            joining->looks.push_back(look);
-    };
-    events.on_pace = [this, joining](const sea::Pace& pace) {
-        const std::scoped_lock lock(mutex_);
-        if (joining->joined)
-            paces_.add(pace);
-        else
-            joining->paces.push_back(pace);
-    };
-}
-
 void Client::take_waves(ConnectionEvents& events) {
     events.on_spectrum = [this](const SeaStatePtr& state, const protocol::SpectrumHead& head) {
         const auto begun = std::make_shared<ReceivedSpectrum>(state, head);

@@ -254,8 +254,10 @@ class Client {
     /// mutex_ held. Why it is not the sea that is held; empty: it is.
     std::string why_another(const Joining& joining, const SeaState& state) const;
     void hear(const Joining::Look& look); ///< mutex_ held
-    /// mutex_ held. Those that should run by now, and that this connection was not told of: each change is, before it begins.
-    void forget_lost_seas(const Joining& joining, const Joining::Look& look);
+    /// mutex_ held. Why it is not the server's sea: one should run by now, or a pace hold, that this connection was not told of, and each
+    /// change is told of before it begins. Empty: nothing is.
+    std::string what_is_lost(const Joining& joining, std::uint32_t told_epoch_max,
+                             const Joining::Look& look) const;
     void forget_sea(); ///< mutex_ held
     /// Asks for what is kept now, if anything is (wanted.h).
     template <class Kind>

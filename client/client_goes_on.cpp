@@ -22,17 +22,22 @@ constexpr LocalUs silent_us = 3'000'000;
 
 /// The sea time up to which a server knew of all changes when it said that.
 TimeUs sure_until_us(const sea::Paces& paces, TimeUs elapsed_us, TimeUs unsure_us) {
-    return paces.sea_time(std::clamp(elapsed_us, -sea::time_us_max, sea::time_us_max) - unsure_us);
+    const TimeUs moment_us =
+        std::clamp(elapsed_us, -sea::time_us_max, sea::time_us_max) - unsure_us;
+    // Before the first pace that is known others may have held.
+    const bool known = paces.empty() || moment_us >= paces.all().front().from_us;
+    return known ? paces.sea_time(moment_us) : std::min(moment_us, paces.all().front().sea_us);
 }
 
-/// Nobody tells any more of the pace that was to hold at this moment, or of one that took over from it.
-bool is_lost(const sea::Paces& held, std::span<const sea::Pace> told, TimeUs elapsed_us) {
+/// A server that was sure until then tells no more of the pace that was to hold, nor of one that has taken over by now.
+bool is_lost(const sea::Paces& held, std::span<const sea::Pace> told, TimeUs sure_us,
+             TimeUs now_us) {
     constexpr TimeUs told_within_us = 1'000'000; // after it had looked at its clock
     const auto holds =
         std::ranges::find_if(held.all().rbegin(), held.all().rend(),
-                             [&](const sea::Pace& pace) { return pace.from_us <= elapsed_us; });
+                             [&](const sea::Pace& pace) { return pace.from_us <= sure_us; });
     return holds != held.all().rend() && std::ranges::none_of(told, [&](const sea::Pace& pace) {
-               return pace.from_us >= holds->from_us && pace.from_us <= elapsed_us + told_within_us;
+               return pace.from_us >= holds->from_us && pace.from_us <= now_us + told_within_us;
            });
 }
 
@@ -269,18 +274,9 @@ std::string Client::why_another(const Joining& joining, const SeaState& state) c
         return fmt::format("its waves of epoch {} are others", state.epoch);
     // A journal may have been put back: the first sea that a session is told of is the one that runs, and with it it is told of
     // the pace that holds and those to come.
-    sea::Paces paces = paces_;
-    for (const sea::Pace& pace : joining.paces)
-        paces.add(pace);
-    for (const Joining::Look& look : joining.looks) {
-        const TimeUs sure_us = sure_until_us(paces, look.elapsed_us, look.unsure_us);
-        if (std::ranges::any_of(sea_states_, [&](const SeaStatePtr& held) {
-                return held->epoch > state.epoch && held->start_time_us < sure_us;
-            }))
-            return "it has an earlier epoch";
-        if (is_lost(paces_, joining.paces, look.elapsed_us - look.unsure_us))
-            return "it runs at another pace";
-    }
+    for (const Joining::Look& look : joining.looks)
+        if (std::string lost = what_is_lost(joining, state.epoch, look); !lost.empty())
+            return lost;
     for (const Joining::Look& look : joining.looks) {
         const double round_trip_us = static_cast<double>(look.received_us - look.sent_us);
         const ClockStatus clock = clock_.status(look.received_us);
@@ -315,21 +311,19 @@ void Client::join(Joining& joining, const SeaState& state) {
     joining.joined = true;
 }
 
-void Client::forget_lost_seas(const Joining& joining, const Joining::Look& look) {
-    const TimeUs sure_us = sure_until_us(paces_, look.elapsed_us, look.unsure_us);
-    const auto is_lost = [&](const SeaStatePtr& held) {
-        return held->epoch > joining.told_epoch_max && held->start_time_us < sure_us;
-    };
-    if (std::ranges::none_of(sea_states_, is_lost))
-        return;
-    ++seas_;
-    status_.reason = "another sea than before: what was announced did not begin";
-    std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
-        const bool lost = is_lost(held);
-        if (lost)
-            forget_waves(held->epoch);
-        return lost;
-    });
+std::string Client::what_is_lost(const Joining& joining, std::uint32_t told_epoch_max,
+                                 const Joining::Look& look) const {
+    sea::Paces paces = paces_;
+    for (const sea::Pace& pace : joining.paces)
+        paces.add(pace);
+    const TimeUs sure_us = sure_until_us(paces, look.elapsed_us, look.unsure_us);
+    if (std::ranges::any_of(sea_states_, [&](const SeaStatePtr& held) {
+            return held->epoch > told_epoch_max && held->start_time_us < sure_us;
+        }))
+        return "it has an earlier epoch";
+    if (is_lost(paces_, joining.paces, look.elapsed_us - look.unsure_us, look.elapsed_us))
+        return "it runs at another pace";
+    return {};
 }
 
 void Client::hear(const Joining::Look& look) {

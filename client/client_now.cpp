@@ -17,9 +17,36 @@ namespace {
 
 /// Moments that are asked about later than now: of a reply that was under way, of an estimate's other end, of a server that was
 /// not sure of its sea for a while.
-constexpr TimeUs paces_kept_us = 3'600'000'000;
+constexpr TimeUs paces_kept_us = protocol::limits::unsure_us_max;
 
 } // namespace
+
+void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
+    events.on_clock = [this, joining](LocalUs sent_us, LocalUs received_us,
+                                      const sea::SeaTime& said) {
+        const Joining::Look look{sent_us, received_us, said.elapsed_us, said.unsure_us};
+        ConnectionPtr over;
+        {
+            const std::scoped_lock lock(mutex_);
+            if (!joining->joined)
+                return joining->looks.push_back(look);
+            hear(look);
+            if (joining_ == joining &&
+                !what_is_lost(*joining, joining->told_epoch_max, look).empty())
+                over = connection_;
+        }
+        if (over) // who comes back finds another sea, and begins with it
+            over->close("its sea is another one than before");
+    };
+    events.on_pace = [this, joining](const sea::Pace& pace) {
+        const std::scoped_lock lock(mutex_);
+        joining->paces.push_back(pace);
+        if (joining->paces.size() > sea::paces_max)
+            joining->paces.erase(joining->paces.begin());
+        if (joining->joined)
+            paces_.add(pace);
+    };
+}
 
 TimeUs Client::now_us() {
     const std::scoped_lock lock(mutex_);

@@ -108,7 +108,7 @@ class Connection {
     const Welcome& welcome() const { return welcome_; }
     bool is_open() const { return open_; }
     /// Ends it: on_closed gets the reason, and with it everything that waits. Does not block.
-    void close() { stream_->close("closed by this client"); }
+    void close(std::string why = "closed by this client") { stream_->close(std::move(why)); }
     /// Likewise, and waits for its thread: none of its events comes, or is under way, any more. Not from one of them.
     void end() { stream_->end(); }
 

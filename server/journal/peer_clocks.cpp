@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "base/local_clock.h"
-
 namespace seaway::server {
 namespace {
 
 constexpr const char* clock_magic = "seaway-clock-1";
+/// Two machines differ by less, as a part of one, about how long a word was held.
+constexpr double quartz_apart = 2e-4;
 /// Of an older server, which answers as many as it hears, up to 64.
 constexpr std::size_t word_bytes_max = 16 * 1024;
 
@@ -89,12 +89,12 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us, std::int64_t he
         if (held_us >= 0 && held_us <= heard_us && ours_us <= local_us &&
             ours_us >= local_us - heard_us) {
             const std::int64_t unsure_us =
-                1 + std::llround(2 * LocalClock::rate_off_max * static_cast<double>(held_us));
+                1 + std::llround(quartz_apart * static_cast<double>(held_us));
             const std::int64_t round_trip_us = local_us - ours_us - held_us;
             if (round_trip_us < -unsure_us) // it was held for longer than it was away
                 return;
-            peer.filter.add(here_us - std::max<std::int64_t>(round_trip_us, 0), here_us, sea_us,
-                            unsure_us);
+            peer.filter.add(here_us - std::max<std::int64_t>(round_trip_us, 0) - unsure_us, here_us,
+                            sea_us);
             peer.answered_us = local_us;
         }
         return; // one answer a word

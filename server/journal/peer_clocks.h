@@ -10,9 +10,10 @@
 // Judged by the middle of those that answer, this one included: of three servers the one whose clock is off sees two that agree.
 // With two nobody can tell which is off.
 //
-// How long words take and are held is measured by LocalClock: seas that are pulled towards a corrected UTC run apart meanwhile.
+// How long words take and are held is measured by the machines' clocks (base/local_clock.h): seas that are pulled towards a corrected UTC run
+// apart meanwhile.
 //
-// Pure: times are given in, by LocalClock and since the sea's epoch (SeaClock). Thread-safe.
+// Pure: times are given in, by that clock and since the sea's epoch (SeaClock). Thread-safe.
 #pragma once
 
 #include <cstdint>

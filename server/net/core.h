@@ -32,9 +32,22 @@ class Session;
 struct Door {
     bool health_only = false;
     int connections = 0;
-    /// Connections from which a whole request is awaited, TLS handshakes and pauses between requests
-    /// included.
+    /// Connections that make room for others: from which a whole request is awaited, TLS handshakes and pauses between requests
+    /// included, and those that are sent an answer or have been told to go.
     WaitingLine awaiting_requests;
+    int answered = 0; ///< these last
+};
+
+/// A connection in awaiting_requests that is not idle, for as long as this is there.
+class AnsweredSlot {
+  public:
+    explicit AnsweredSlot(Door& door) : door_(door) { ++door_.answered; }
+    ~AnsweredSlot() { --door_.answered; }
+    AnsweredSlot(const AnsweredSlot&) = delete;
+    AnsweredSlot& operator=(const AnsweredSlot&) = delete;
+
+  private:
+    Door& door_;
 };
 
 class Core : public std::enable_shared_from_this<Core> {

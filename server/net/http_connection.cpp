@@ -249,8 +249,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
     void respond(const Page& page, bool head_only, bool keep_alive) {
         await_request(); // who does not read makes room, too
+        answered_.emplace(slot_.door());
         write_page(core(), socket_, page, head_only, keep_alive,
                    [self = shared_from_this(), keep_alive](error_code error) {
+                       self->answered_.reset();
                        if (error)
                            return self->failed("http", error);
                        keep_alive ? self->read_request() : self->close();
@@ -285,6 +287,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
     WaitingLine::Place awaits_;
+    std::optional<AnsweredSlot> answered_; ///< while a page is sent
 };
 
 } // namespace

@@ -338,7 +338,8 @@ void NetServer::Impl::come_to_an_end() {
             session.close(wire::ErrorCode::shutting_down, "the server stops");
     });
     const Door& door = core_->door;
-    const bool served = door.connections <= static_cast<int>(door.awaiting_requests.size());
+    const bool served =
+        door.connections + door.answered <= static_cast<int>(door.awaiting_requests.size());
     if (served || Clock::now() >= drained_ + core_->options.stop_deadline) {
         public_.close();
         health_.close();

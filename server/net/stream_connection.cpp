@@ -333,6 +333,7 @@ class StreamConnection final : public Link,
     /// Nothing is read or sent any more but the last word. Who stays behind it makes room for a newcomer.
     void leave() {
         nothing_more();
+        leaves_.emplace(slot_.door());
         awaits_end_.take(slot_.door().awaiting_requests, peer_.address, [weak = weak_from_this()] {
             if (const auto self = weak.lock()) {
                 self->awaits_end_.leave();
@@ -364,6 +365,7 @@ class StreamConnection final : public Link,
     const Standing standing_;
     WaitingLine::Place awaits_hello_; ///< strangers only
     WaitingLine::Place awaits_end_;   ///< of the peer, which has been told
+    std::optional<AnsweredSlot> leaves_;
     asio::steady_timer hello_timer_;
     asio::steady_timer write_timer_;
     asio::steady_timer close_timer_;

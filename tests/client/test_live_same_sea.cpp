@@ -23,7 +23,7 @@ class LiveSameSea : public tests::WaveServer {
 
     /// As that of the sea which runs, but for epoch and beginning.
     void announce(std::uint32_t epoch, sea::TimeUs start_us) {
-        const auto first = sea.sea_state_messages().front();
+        const auto first = sea.sea_state_messages().back();
         protocol::SeaStateValues state =
             protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
         state.epoch = epoch;
@@ -70,6 +70,10 @@ TEST_F(LiveSameSea, a_server_that_lags_behind_its_log_is_not_taken_for_another) 
         line->cut();
         ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
         EXPECT_EQ((*client)->status().seas, lags ? 1 : 2) << (*client)->status().reason;
+        // And once it is sure of what it knows it is another one after all.
+        sea.unsure_us = 0;
+        EXPECT_TRUE(eventually([&] { return (*client)->status().seas == 2; }));
+        EXPECT_EQ((*client)->sea_state(0)->epoch, sea.epoch);
     }
 }
 
@@ -85,12 +89,32 @@ TEST_F(LiveSameSea, what_was_announced_and_does_not_begin_is_forgotten) {
     line->cut();
     ASSERT_TRUE(eventually([&] { return told == 3; }));
     EXPECT_TRUE(eventually([&] { return (*client)->status().seas == 2; }));
-    EXPECT_GT((*client)->now_us(), start_us - 100'000);
+    EXPECT_GT(sea.sea_time_us(), start_us);
     EXPECT_EQ((*client)->sea_state(start_us + 1)->epoch, sea.epoch);
+    EXPECT_EQ((*client)->status().connections, 3) << "it has come back once more";
     announce(sea.epoch + 1, sea.sea_time_us() + 1'000'000); // its number is given anew
     EXPECT_TRUE(eventually(
         [&] { return (*client)->sea_state((*client)->now_us())->epoch == sea.epoch + 1; }));
     EXPECT_EQ((*client)->status().seas, 2);
+}
+
+// Naive: the pace that held when it was sure last is not told of any more, and so taken for lost.
+TEST_F(LiveSameSea, a_server_in_doubt_tells_of_the_pace_that_holds_now) {
+    const auto client = Client::connect({.url = url});
+    ASSERT_TRUE(client) << client.error().message;
+    const sea::TimeUs now_us = sea.sea_time_us();
+    const auto at_pace = [&](sea::TimeUs ago_us, int permille) {
+        net->announce(std::make_shared<const protocol::Bytes>(
+            protocol::pace(sea::Pace{now_us - ago_us, now_us - ago_us, permille})));
+    };
+    at_pace(100'000'000, 999);
+    at_pace(5'000'000, sea::pace_unit);
+    ASSERT_TRUE(eventually([&] { return (*client)->now_us() > now_us + 10'000; }));
+    sea.unsure_us = 50'000'000;
+    sea.told_pace = sea::Pace{now_us - 5'000'000, now_us - 5'000'000, sea::pace_unit};
+    line->cut();
+    ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
+    EXPECT_EQ((*client)->status().seas, 1) << (*client)->status().reason;
 }
 
 // Naive: its sea stands for ever, while that of everybody else goes on.

@@ -157,7 +157,11 @@ class WaveSea : public server::Host {
         state.displacement_reach_m = 1.5 * state.realised.hs_m;
         state.probes = sea::make_probes(sum_, state.start_time_us);
         state.probe_error_m = sea::probe_error_m;
-        return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
+        std::vector<server::SharedBytes> messages;
+        if (told_pace)
+            messages.push_back(std::make_shared<const protocol::Bytes>(protocol::pace(*told_pace)));
+        messages.push_back(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
+        return messages;
     }
     server::Demand grant(const server::Demand& wish,
                          std::optional<server::SessionId> = {}) const override {
@@ -237,6 +241,7 @@ class WaveSea : public server::Host {
     std::function<void(sea::WaveBlock&)> spectrum_change = {};
     std::atomic<std::uint32_t> told_epoch = epoch; ///< of the sea that runs
     std::atomic<sea::TimeUs> unsure_us = 0;        ///< for how long it has doubted it
+    std::optional<sea::Pace> told_pace = {};       ///< that holds; set while nobody connects
 
     std::string state_json() const override { return "{}"; }
     std::string plan_json() const override { return "{}"; }

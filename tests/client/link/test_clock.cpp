@@ -44,7 +44,7 @@ TEST(Clock, shows_the_first_sample_at_once) {
     EXPECT_EQ(clock.now(2000), 50'000);
     EXPECT_EQ(clock.now(2500), 50'500);
     // Half of the trip, what clocks run apart in that, whole microseconds, and what they run apart in half a millisecond.
-    EXPECT_DOUBLE_EQ(clock.status(2500).error_us, 1000 + 1 + 1.5 + 0.5);
+    EXPECT_DOUBLE_EQ(clock.status(2500).error_us, 1000 + 1.5 + 1.5 + 0.75);
 }
 
 // Naive: samples from before and after are mixed for a minute, and the error is said to be milliseconds: after a machine has slept,
@@ -207,7 +207,7 @@ TEST(Clock, an_error_bound_covers_the_truth_whatever_clocks_do_within_their_limi
             // At most the whole of what looks allow: half a trip with its queue to either side, and what clocks run apart in the
             // second from one look to the next.
             std::ranges::sort(tight_us);
-            EXPECT_LT(tight_us[tight_us.size() / 2], 2 * (1.5 * way_us + 1'000)) << way_us;
+            EXPECT_LT(tight_us[tight_us.size() / 2], 2 * (1.5 * way_us + 1'500)) << way_us;
             EXPECT_GT(clock.status(200 * second_us).samples, 10) << "looks agree with each other";
         }
 }
@@ -252,8 +252,8 @@ TEST(Clock, a_pull_that_begins_is_followed_as_fast_as_looks_tell_it) {
             const ClockStatus status = clock.status(now_us + after_us);
             const double off_us = status.offset_us + static_cast<double>(now_us + after_us) -
                                   truth_us(now_us + after_us);
-            EXPECT_LE(std::abs(off_us), 102 + 1.4e-3 * static_cast<double>(after_us)) << now_us;
-            EXPECT_LE(status.error_us, 204 + 2e-3 * static_cast<double>(after_us)) << now_us;
+            EXPECT_LE(std::abs(off_us), 102 + 1.9e-3 * static_cast<double>(after_us)) << now_us;
+            EXPECT_LE(status.error_us, 204 + 3e-3 * static_cast<double>(after_us)) << now_us;
         }
     }
 }
@@ -318,7 +318,7 @@ TEST(Clock, forgets_a_sample_after_a_minute) {
     EXPECT_EQ(status.samples, 60);
     EXPECT_EQ(status.round_trip_us, 80'000);
     EXPECT_NEAR(status.offset_us, 5'020'000, 1) << "the old offset weighs nothing";
-    EXPECT_NEAR(status.error_us, 40'000 + 80, 2) << "half a trip, and what clocks run apart in it";
+    EXPECT_NEAR(status.error_us, 40'000 + 120, 3) << "half a trip, and what clocks run apart in it";
 }
 
 TEST(Clock, keeps_a_bounded_number_of_samples_however_fast_they_come) {
@@ -330,7 +330,7 @@ TEST(Clock, keeps_a_bounded_number_of_samples_however_fast_they_come) {
 
 TEST(Clock, does_not_follow_a_drift_that_no_quartz_has) {
     ClockFilter clock;
-    Link link{.drift_ppm = 900, .queue_mean_us = 8000};
+    Link link{.drift_ppm = 1400, .queue_mean_us = 8000};
     for (LocalUs now_us = 0; now_us < 60 * second_us; now_us += second_us / 2)
         link.ping(clock, now_us);
     EXPECT_DOUBLE_EQ(clock.status(60 * second_us).drift_ppm, 500);

@@ -127,6 +127,7 @@ class NetTls : public ::testing::Test {
     NetTls() {
         server::NetOptions options;
         options.listen = "127.0.0.1:0";
+        options.http_deadline = std::chrono::minutes(5);
         options.tls_cert_file = folder().file("cert.pem");
         options.tls_key_file = folder().file("key.pem");
         make_certificate(options.tls_cert_file, options.tls_key_file);
