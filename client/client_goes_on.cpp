@@ -24,9 +24,14 @@ constexpr LocalUs silent_us = 3'000'000;
 TimeUs sure_until_us(const sea::Paces& paces, TimeUs elapsed_us, TimeUs unsure_us) {
     const TimeUs moment_us =
         std::clamp(elapsed_us, -sea::time_us_max, sea::time_us_max) - unsure_us;
-    // Before the first pace that is known others may have held.
-    const bool known = paces.empty() || moment_us >= paces.all().front().from_us;
-    return known ? paces.sea_time(moment_us) : std::min(moment_us, paces.all().front().sea_us);
+    if (paces.empty() || moment_us >= paces.all().front().from_us)
+        return paces.sea_time(moment_us);
+    // Before the first pace that is known others may have held: it was no later than the fastest would have it.
+    const sea::Pace& first = paces.all().front();
+    const double before_us = static_cast<double>(sea::pace_permille_max) / sea::pace_unit *
+                             static_cast<double>(first.from_us - moment_us);
+    return std::llround(std::max(static_cast<double>(first.sea_us) - before_us,
+                                 static_cast<double>(-sea::time_us_max)));
 }
 
 /// A server that was sure until then tells no more of the pace that was to hold, nor of one that has taken over by now.
@@ -313,6 +318,8 @@ void Client::join(Joining& joining, const SeaState& state) {
 
 std::string Client::what_is_lost(const Joining& joining, std::uint32_t told_epoch_max,
                                  const Joining::Look& look) const {
+    if (look.unsure_us >= protocol::limits::unsure_us_max) // or longer: it is not said since when
+        return {};
     sea::Paces paces = paces_;
     for (const sea::Pace& pace : joining.paces)
         paces.add(pace);

@@ -30,9 +30,10 @@ void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
             const std::scoped_lock lock(mutex_);
             if (!joining->joined)
                 return joining->looks.push_back(look);
-            hear(look);
-            if (joining_ == joining &&
-                !what_is_lost(*joining, joining->told_epoch_max, look).empty())
+            if (what_is_lost(*joining, joining->told_epoch_max, look).empty())
+                return hear(look);
+            unsure_ = true; // of what is held this server says nothing
+            if (joining_ == joining)
                 over = connection_;
         }
         if (over) // who comes back finds another sea, and begins with it

@@ -14,8 +14,8 @@ namespace seaway::server {
 namespace {
 
 constexpr const char* clock_magic = "seaway-clock-1";
-/// Two machines differ by less, as a part of one, about how long a word was held.
-constexpr double quartz_apart = 2e-4;
+/// Two machines differ by less, as a part of one, about how long a word was held; and while one of them corrects its clock.
+constexpr double quartz_apart = 2e-4, corrected_apart = 1.2e-3;
 /// Of an older server, which answers as many as it hears, up to 64.
 constexpr std::size_t word_bytes_max = 16 * 1024;
 
@@ -91,7 +91,9 @@ void PeerClocks::hear(const std::string& word, LocalUs local_us, std::int64_t he
             const std::int64_t unsure_us =
                 1 + std::llround(quartz_apart * static_cast<double>(held_us));
             const std::int64_t round_trip_us = local_us - ours_us - held_us;
-            if (round_trip_us < -unsure_us) // it was held for longer than it was away
+            // Held for longer than it was away.
+            if (static_cast<double>(round_trip_us) <
+                -1 - corrected_apart * static_cast<double>(held_us))
                 return;
             peer.filter.add(here_us - std::max<std::int64_t>(round_trip_us, 0) - unsure_us, here_us,
                             sea_us);

@@ -29,7 +29,8 @@ namespace seaway::server {
 struct PeersSeen {
     int peers = 0;       ///< that have answered within heard_us
     double ahead_us = 0; ///< this clock, of the middle one of all as they were last heard
-    double error_us = 0; ///< bound on that
+    double error_us =
+        0; ///< bound on that, but while a machine's own clock is corrected: then by up to half a millisecond more
     bool can_judge() const { return peers >= 2; }
 };
 

@@ -21,7 +21,14 @@ std::int64_t beyond_steady_us() {
                           .count();
 }
 
-enum Seen { counts = 0, counts_not = 1, no_such_place = 2 };
+enum Seen { counts_not = 1, no_such_place = 2, counts = 3 };
+
+Seen seen_by(pid_t child) {
+    int status = 0;
+    return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status)
+               ? static_cast<Seen>(WEXITSTATUS(status))
+               : counts_not;
+}
 
 /// In a child of a process that has moved on the clock of its children.
 Seen in_a_machine_that_slept_for(int seconds) {
@@ -40,13 +47,9 @@ Seen in_a_machine_that_slept_for(int seconds) {
             _exit(std::abs(slept_us - std::int64_t{seconds} * 1'000'000) < 30'000'000 ? counts
                                                                                       : counts_not);
         }
-        int status = 0;
-        waitpid(inner, &status, 0);
-        _exit(WEXITSTATUS(status));
+        _exit(seen_by(inner));
     }
-    int status = 0;
-    waitpid(outer, &status, 0);
-    return static_cast<Seen>(WEXITSTATUS(status));
+    return seen_by(outer);
 }
 
 TEST(LocalClock, counts_what_the_machine_slept) {

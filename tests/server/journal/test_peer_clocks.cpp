@@ -173,8 +173,10 @@ TEST(PeerClocks, two_oscillators_may_differ_about_how_long_a_word_was_away) {
     PeerClocks clocks("me");
     clocks.hear("seaway-clock-1 other 5 1000000\nme 1000 1000100\n", 1'001'050, 1'000'000);
     EXPECT_EQ(clocks.seen(1'001'050).peers, 1);
-    clocks.hear("seaway-clock-1 liar 5 1000000\nme 1000 1000500\n", 1'001'050, 1'000'000);
-    EXPECT_EQ(clocks.seen(1'001'050).peers, 1) << "none that says so much";
+    clocks.hear("seaway-clock-1 third 5 1000000\nme 1000 1000900\n", 1'001'050, 1'000'000);
+    EXPECT_EQ(clocks.seen(1'001'050).peers, 2) << "its machine corrects its clock";
+    clocks.hear("seaway-clock-1 liar 5 1000000\nme 1000 1002000\n", 1'001'050, 1'000'000);
+    EXPECT_EQ(clocks.seen(1'001'050).peers, 2) << "none that says so much";
 }
 
 // Naive: what a peer may have run off since its last word counts, so that what is certain comes and goes each second.
