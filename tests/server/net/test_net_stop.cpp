@@ -164,7 +164,7 @@ TEST_F(NetStop, other_ends_of_a_session_say_no_time) {
 
 // A browser keeps its connection open for the next page: nobody waits for it.
 TEST_F(NetStop, a_connection_between_two_requests_holds_nobody_up) {
-    options.stop_deadline = std::chrono::minutes(10);
+    options.stop_deadline = options.http_deadline = std::chrono::minutes(10);
     start();
     RawPeer browser(port());
     browser.say("GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
