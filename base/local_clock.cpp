@@ -9,8 +9,8 @@ namespace seaway {
 std::int64_t local_now_us() {
 #ifdef CLOCK_BOOTTIME
     timespec now{};
-    if (clock_gettime(CLOCK_BOOTTIME, &now) ==
-        0) // a sandbox may know fewer than its system's headers
+    // A sandbox may know fewer clocks than its system's headers.
+    if (clock_gettime(CLOCK_BOOTTIME, &now) == 0)
         return std::int64_t{now.tv_sec} * 1'000'000 + now.tv_nsec / 1000;
 #endif
     return std::chrono::duration_cast<std::chrono::microseconds>(

@@ -21,16 +21,6 @@ class LiveSameSea : public tests::WaveServer {
     std::unique_ptr<FaultProxy> line;
     std::string url;
 
-    /// As that of the sea which runs, but for epoch and beginning.
-    void announce(std::uint32_t epoch, sea::TimeUs start_us) {
-        const auto first = sea.sea_state_messages().back();
-        protocol::SeaStateValues state =
-            protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
-        state.epoch = epoch;
-        state.start_time_us = start_us;
-        net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
-    }
-
     void SetUp() override {
         WaveServer::SetUp();
         line = std::make_unique<FaultProxy>(net->port());

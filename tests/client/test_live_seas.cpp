@@ -32,13 +32,8 @@ class LiveSeas : public tests::WaveServer {
     }
     /// Announces a sea and waits until the client knows it.
     void announce(std::uint32_t epoch, sea::TimeUs start_us) {
-        const auto first = sea.sea_state_messages().front();
-        protocol::SeaStateValues state =
-            protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
-        state.epoch = epoch;
-        state.start_time_us = start_us;
         const int before = told;
-        net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
+        WaveServer::announce(epoch, start_us);
         ASSERT_TRUE(eventually([&] { return told == before + 1; }));
     }
 };

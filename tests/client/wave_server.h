@@ -30,6 +30,16 @@ class WaveServer : public ::testing::Test {
     WaveSea sea;
     std::unique_ptr<server::NetServer> net;
 
+    /// Tells all clients of a sea like that which runs, but for its epoch and its beginning.
+    void announce(std::uint32_t epoch, sea::TimeUs start_us) {
+        const auto first = sea.sea_state_messages().back();
+        protocol::SeaStateValues state =
+            protocol::values(*wire::GetMessage(first->data())->body_as_SeaState());
+        state.epoch = epoch;
+        state.start_time_us = start_us;
+        net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
+    }
+
     void SetUp() override {
         net = serve(sea);
         ASSERT_TRUE(net);
