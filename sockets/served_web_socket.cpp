@@ -225,17 +225,15 @@ void ServedWebSocket::leave(std::function<void()> done) {
         if (const std::shared_ptr<Impl> self = weak.lock(); self != nullptr && !error)
             self->socket.close();
     });
-    const auto tear_down = [self = impl_, done = std::move(done)] {
-        self->socket.stop_receiving();
-        self->socket.tear_down(beast::role_type::server,
-                               Completion<error_code>([self, done](error_code) {
-                                   self->timer.cancel();
-                                   done();
-                               }));
+    const auto part = [self = impl_, done = std::move(done)] {
+        self->socket.part(self->options.handshake_patience, [self, done] {
+            self->timer.cancel();
+            done();
+        });
     };
     if (std::exchange(impl.closing, true))
-        return tear_down();
-    impl.send(close_frame(impl.last_word), tear_down);
+        return part();
+    impl.send(close_frame(impl.last_word), part);
 }
 
 // ---- writing -------------------------------------------------------------------------------

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sockets/socket.h"
 
+#include <algorithm>
+#include <array>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -65,6 +67,7 @@ struct Socket::Streams : std::enable_shared_from_this<Streams> {
 
     void receive(Received done);
     void stop_receiving();
+    void leave_ready_set();
     void say_later(Received done, error_code error);
     ~Streams() { stop_receiving(); }
 
@@ -107,6 +110,10 @@ void Socket::Streams::stop_receiving() {
         tcp().socket().cancel(ignored);
         return;
     }
+    leave_ready_set();
+}
+
+void Socket::Streams::leave_ready_set() {
     if (ReadySet* set = std::exchange(ready, nullptr))
         set->remove(member);
 }
@@ -244,6 +251,44 @@ void Socket::write_some(FewBuffers<asio::const_buffer> buffers, Bytes done) {
         streams_->tls->async_write_some(buffers, std::move(done));
     else
         streams_->plain->async_write_some(buffers, std::move(done));
+}
+
+// ---- the end -------------------------------------------------------------------------------
+
+struct Socket::Parting : std::enable_shared_from_this<Parting> {
+    Parting(std::shared_ptr<Streams> of, std::function<void()> done)
+        : streams(std::move(of)), gone(std::move(done)) {}
+
+    void take_the_rest() {
+        streams->tcp().async_read_some(
+            asio::buffer(unseen), [self = shared_from_this()](error_code error, std::size_t bytes) {
+                self->left -= std::min(self->left, bytes);
+                if (!error && self->left > 0)
+                    return self->take_the_rest();
+                self->streams->tcp().close();
+                self->gone();
+            });
+    }
+
+    const std::shared_ptr<Streams> streams;
+    const std::function<void()> gone;
+    std::size_t left = parted_bytes_max;
+    std::array<char, 4096> unseen{};
+};
+
+void Socket::part(std::chrono::milliseconds patience, std::function<void()> gone) {
+    streams_->leave_ready_set();
+    expires_after(patience);
+    const auto parting = std::make_shared<Parting>(streams_, std::move(gone));
+    const auto after_tls = [parting](error_code) {
+        error_code ignored; // of a peer that has gone already
+        parting->streams->tcp().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+        parting->take_the_rest();
+    };
+    if (streams_->tls) // which fails where the peer goes on
+        streams_->tls->async_shutdown(after_tls);
+    else
+        after_tls({});
 }
 
 void Socket::tear_down(beast::role_type role, Completion<error_code> done) {

@@ -106,9 +106,11 @@ class Socket {
     void receive(Received done);
     /// The one that is under way ends with operation_aborted.
     void stop_receiving();
-    /// The end of a connection whose protocol is over, as its own `role` does it: it says no more, and waits until the peer
-    /// has gone.
-    void tear_down(boost::beast::role_type role, Completion<error_code> done);
+    /// The end of a connection whose protocol is over. It says no more, and takes unseen what the peer still sends: closed
+    /// with a part of it unread, the system would have the peer throw away what it was told last. Closes when the peer has gone, after
+    /// `patience`, or when the peer has sent parted_bytes_max more; then calls `gone`. Nothing else is under way meanwhile.
+    static constexpr std::size_t parted_bytes_max = 4 << 20;
+    void part(std::chrono::milliseconds patience, std::function<void()> gone);
 
     void set_no_delay();
     /// For poll and epoll alone; -1 before connect() and after close().
@@ -140,8 +142,10 @@ class Socket {
     bool takes_writes_now() const;
     void read_some(FewBuffers<boost::asio::mutable_buffer> buffers, Bytes done);
     void write_some(FewBuffers<boost::asio::const_buffer> buffers, Bytes done);
+    void tear_down(boost::beast::role_type role, Completion<error_code> done);
 
     struct Streams;
+    struct Parting;
     std::shared_ptr<Streams> streams_; ///< of this one alone
 };
 

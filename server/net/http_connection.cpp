@@ -32,6 +32,8 @@ using beast::error_code;
 /// Of a request: an ordinary browser sends 1 KB. No page takes a body.
 constexpr std::uint32_t header_bytes_max = 8 * 1024;
 constexpr std::uint64_t body_bytes_max = 1024;
+/// Of who was told that this was all, until it goes.
+constexpr std::chrono::seconds parting_patience{2};
 
 std::string_view text(beast::string_view view) {
     return {view.data(), view.size()};
@@ -275,9 +277,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         note_bad_peer(core(), peer_.name, what, error);
     }
 
+    /// What was asked may not have been read to its end. Who stays makes room for a newcomer.
     void close() {
-        socket_.shutdown_send();
-        socket_.close();
+        await_request();
+        socket_.part(parting_patience, [self = shared_from_this()] { self->awaits_.leave(); });
     }
 
     ConnectionSlot slot_;

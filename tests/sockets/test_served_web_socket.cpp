@@ -69,6 +69,7 @@ class ServedWebSocketTest : public ::testing::Test {
                                        [this](error_code error, std::size_t bytes) {
                                            answer.append(chunk.data(), bytes);
                                            gone = static_cast<bool>(error);
+                                           in_order = error == asio::error::eof;
                                            if (!error)
                                                listen();
                                        });
@@ -96,6 +97,7 @@ class ServedWebSocketTest : public ::testing::Test {
     std::array<char, 4096> chunk{};
     std::string answer;
     bool gone = false;
+    bool in_order = false;
     std::vector<FrameBytes> heard;
     std::size_t read_max = 1'000'000;
     std::optional<Error> end;
@@ -208,6 +210,32 @@ TEST_F(ServedWebSocketTest, what_is_not_understood_is_told_so_by_its_code) {
     server->leave([] {});
     run_until([&] { return gone; });
     EXPECT_EQ(answer, std::string("\x88\x02\x03\xea", 4)); // 1002
+}
+
+// Naive: closed with a part of the message unread, where the system has the peer throw away why.
+TEST_F(ServedWebSocketTest, who_goes_on_with_a_message_that_is_too_large_hears_why_before_the_end) {
+    read_all();
+    say(client_frame(FrameBytes(2'000'000)));
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::not_understood)) << end->message;
+    bool left = false;
+    server->leave([&] { left = true; });
+    run_until([&] { return gone; });
+    EXPECT_EQ(answer, std::string("\x88\x02\x03\xf1", 4)); // 1009
+    EXPECT_TRUE(in_order) << "FIN, not RST";
+    EXPECT_FALSE(left) << "the peer is still there";
+    pair->ends[1]->close();
+    run_until([&] { return left; });
+}
+
+TEST_F(ServedWebSocketTest, who_never_ends_is_left_when_enough_of_it_was_taken) {
+    accept(std::chrono::seconds(10), std::chrono::minutes(10)); // longer than a test waits
+    read_all();
+    say(client_frame(FrameBytes(3 * Socket::parted_bytes_max)));
+    run_until([&] { return end.has_value(); });
+    bool left = false;
+    server->leave([&] { left = true; });
+    run_until([&] { return left; });
 }
 
 TEST_F(ServedWebSocketTest, a_peer_that_says_nothing_is_pinged_and_given_up) {

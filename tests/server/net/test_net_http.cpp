@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The HTTP side, start and stop.
+#include <chrono>
+#include <string>
+#include <system_error>
+#include <vector>
+
 #include "tests/server/net/net_fixture.h"
+#include "tests/server/net/tcp.h"
 
 namespace seaway::tests {
 namespace {
@@ -108,6 +114,32 @@ TEST_F(NetHttp, the_page_for_people_is_a_shell_that_loads_its_own_script_and_not
     EXPECT_EQ(get("/status.css").fields.at("Content-Type"), "text/css; charset=utf-8");
     EXPECT_EQ(host.maps_asked, 0) << "a page costs nothing of the sea";
     EXPECT_EQ(metric("seaway_net_sessions_max"), 17);
+}
+
+// Naive: closed with the body unread, where the system has the peer throw away why.
+TEST_F(NetHttp, who_sends_a_body_that_is_too_large_hears_so_before_the_end) {
+    start();
+    Tcp peer;
+    ASSERT_EQ(peer.connect(port()), std::error_code{});
+    // More than is read for a request.
+    const std::string body(60'000, 'x');
+    const auto bytes = [](const std::string& text) {
+        return std::vector<std::uint8_t>(text.begin(), text.end());
+    };
+    ASSERT_EQ(peer.write(bytes("POST /v1/state HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                               "Content-Length: 1000000\r\n\r\n" +
+                               body),
+                         std::chrono::seconds(10)),
+              std::error_code{});
+    const auto end = Tcp::Clock::now() + std::chrono::seconds(10);
+    std::string answer;
+    std::error_code ended;
+    while (!(ended = peer.read(answer, end)))
+        continue;
+    EXPECT_EQ(answer.substr(0, 12), "HTTP/1.1 413");
+    EXPECT_EQ(ended, std::errc::no_message_available);
+    EXPECT_EQ(peer.write(bytes(body), std::chrono::seconds(10)), std::error_code{})
+        << "FIN, but no RST";
 }
 
 TEST_F(NetHttp, requests_that_are_too_large_or_not_for_reading_have_each_a_status) {
