@@ -286,7 +286,7 @@ Result<protocol::SpectrumGrant> Client::granted(const SpectrumSubscription&,
     }
     for (const auto& spectrum : spectra) {
         const RebuiltSeaPtr waves = spectrum->sea();
-        if (spectrum->state()->glide) // probes are of the sea that it leads to
+        if (spectrum->state()->glide) // which has no probes
             continue;
         if (const Result<void> same = waves ? agrees(*spectrum->state(), *waves) : Result<void>();
             !same) {
@@ -346,10 +346,12 @@ OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
     if (!state->glide) {
         if (waves)
             return waves;
-        for (const SeaStatePtr& other : sea_states_) // its waves are those that a glide led to
+        // Its waves are those that the last glide before it led to. One that this took over from may have been meant to end then, too.
+        OwnSeaPtr led_to;
+        for (const SeaStatePtr& other : sea_states_) // in the order in which they begin
             if (other->glide && other->glide->end_us == state->start_time_us)
-                return received(other->epoch);
-        return nullptr;
+                led_to = received(other->epoch);
+        return led_to;
     }
     const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
     if (!waves || depth == 0 || before == state)

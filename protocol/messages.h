@@ -164,6 +164,7 @@ struct CascadeInfo {
     int size = 0;
     double k_lo_radpm = 0; ///< of its longest wave: where its band begins, or a wave given by hand
     double k_hi_radpm = 0;
+    bool placed_alone = false;    ///< no waves of spectra, those alone that a scene places
     std::int64_t interval_us = 0; ///< between keyframes, which lie at whole multiples of it
 };
 

@@ -98,7 +98,7 @@ Bytes sea_state(const SeaStateValues& state) {
     std::vector<wire::CascadeInfo> cascades;
     for (const CascadeInfo& c : state.cascades)
         cascades.emplace_back(c.length_m, c.k_lo_radpm, c.k_hi_radpm, c.interval_us,
-                              static_cast<std::uint32_t>(c.size), 0u);
+                              static_cast<std::uint32_t>(c.size), c.placed_alone ? 1u : 0u);
     std::vector<wire::CascadeLoss> losses;
     for (const sea::CascadeLoss& loss : state.losses)
         losses.push_back(to_wire(loss));
@@ -173,6 +173,7 @@ SeaStateValues values(const wire::SeaState& state) {
                                     .size = static_cast<int>(c->size()),
                                     .k_lo_radpm = c->k_lo_radpm(),
                                     .k_hi_radpm = c->k_hi_radpm(),
+                                    .placed_alone = c->placed_alone() != 0,
                                     .interval_us = c->interval_us()});
     if (const auto* warnings = state.warnings())
         for (const flatbuffers::String* warning : *warnings)

@@ -144,7 +144,8 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         const sea::CascadeModes& modes = sea.realization->cascades[c];
         state.cascades.push_back({modes.spec.length_m, modes.spec.size, modes.longest_radpm(),
-                                  modes.band.k_hi_radpm, sea.budget.cascades[c].interval_us});
+                                  modes.band.k_hi_radpm, !modes.carries_spectra,
+                                  sea.budget.cascades[c].interval_us});
     }
     state.choppiness_x = sea.realization->choppiness.x;
     state.choppiness_y = sea.realization->choppiness.y;

@@ -9,8 +9,9 @@ namespace {
 sea::SpectrumFrame frame_of(const SeaState& state, const protocol::SpectrumHead& head) {
     sea::SpectrumFrame frame;
     for (const protocol::CascadeInfo& cascade : state.cascades)
-        frame.tiles.push_back(
-            {{cascade.length_m, cascade.size}, {cascade.k_lo_radpm, cascade.k_hi_radpm}});
+        frame.tiles.push_back({{cascade.length_m, cascade.size},
+                               {cascade.k_lo_radpm, cascade.k_hi_radpm},
+                               !cascade.placed_alone});
     frame.choppiness = {state.choppiness_x, state.choppiness_y};
     frame.dispersion = head.dispersion;
     frame.loop_period_us = head.loop_period_us;

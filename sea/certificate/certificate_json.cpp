@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* format_name = "seaway certificate 1";
 constexpr std::size_t rows_max = 4096;
+constexpr int depth_max = 16; ///< a certificate is 4 deep
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// JSON has no infinity: null is deep water.
@@ -263,7 +264,14 @@ std::string to_json(const Certificate& c) {
 }
 
 Result<Certificate> parse_certificate(const std::string& text, const std::string& name) {
-    Json json = Json::parse(text, nullptr, false);
+    bool deep = false; // what is shown of it, or summed up, takes stack for each depth
+    Json json = Json::parse(
+        text,
+        [&](int depth, Json::parse_event_t, Json&) { return !(deep = deep || depth > depth_max); },
+        false);
+    if (deep)
+        return Error{fmt::format("{} has objects or lists within one another more than {} deep",
+                                 name, depth_max)};
     if (json.is_discarded() || !json.is_object())
         return Error{fmt::format("{} is not JSON that begins with an object", name)};
     std::string error;

@@ -310,6 +310,11 @@ class Quantiser {
             result.blocks.push_back(piece.block);
             result.bits.push_back(piece.bits);
         }
+        if (all.empty()) { // a block that says nothing, so that what is missed is told
+            result.blocks.push_back(blocks_.front());
+            result.left.push_back(left.left());
+            result.bits.push_back(block_bits);
+        }
     }
 
     const SpectrumAccuracy wanted_;

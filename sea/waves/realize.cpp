@@ -18,65 +18,56 @@ namespace seaway::sea {
 
 namespace {
 
-/// Adds wave systems to the modes of one cascade.
-class CascadeFiller {
-  public:
-    CascadeFiller(const SeaState& sea, CascadeModes& modes)
-        : sea_(sea), modes_(modes), step_(modes.spec.wavenumber_step_radpm()),
-          steps_max_(static_cast<int>(
-              std::min(std::ceil(modes.band.k_hi_radpm / step_), 0.5 * modes.spec.size - 1.0))) {}
+/// The lattice indices of a band's waves lie within this many steps of 0 along each axis.
+int steps_of_band(const CascadeModes& modes) {
+    return static_cast<int>(
+        std::min(std::ceil(modes.band.k_hi_radpm / modes.spec.wavenumber_step_radpm()),
+                 0.5 * modes.spec.size - 1.0));
+}
 
-    void add(const DirectionalSpectrum& spectrum, std::uint32_t system) {
-        if (spectrum.empty())
+template <class F>
+void for_each_mode_of_band(const CascadeModes& modes, const F& f) {
+    const int size = modes.spec.size, steps = steps_of_band(modes);
+    const double step = modes.spec.wavenumber_step_radpm();
+    for (int ny = -steps; ny <= steps; ++ny)
+        for (int nx = -steps; nx <= steps; ++nx) {
+            const double k = step * std::sqrt(nx * nx + ny * ny);
+            if ((nx != 0 || ny != 0) && modes.band.contains(k))
+                f(nx, ny, k,
+                  static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size));
+        }
+}
+
+/// Adds the waves of a spectrum to one cascade.
+void add_spectrum(const DirectionalSpectrum& spectrum, std::uint64_t seed, std::uint32_t system,
+                  CascadeModes& modes) {
+    if (spectrum.empty())
+        return;
+    const std::vector<double> variances = mode_variances(spectrum, modes.spec, modes.band);
+    const std::uint32_t tile = cascade_key(modes.spec.length_m);
+    for_each_mode_of_band(modes, [&](int nx, int ny, double, std::size_t index) {
+        if (!(variances[index] > 0.0))
             return;
-        const std::vector<double> variances = mode_variances(spectrum, modes_.spec, modes_.band);
-        const std::uint32_t tile = cascade_key(modes_.spec.length_m);
-        for_each_mode([&](int nx, int ny, double, std::size_t index) {
-            if (!(variances[index] > 0.0))
-                return;
-            const double amplitude = 0.5 * std::sqrt(variances[index]);
-            const GaussianPair xi = gaussian_pair({sea_.seed, system, tile, nx, ny});
-            modes_.h0[index] += std::complex(amplitude * xi.real, amplitude * xi.imaginary);
-        });
-    }
-
-    /// Omega is computed once for each nx^2 + ny^2.
-    void fill_rates(TimeUs loop_period_us) {
-        const Dispersion dispersion = sea_.dispersion();
-        std::vector<std::optional<Rate>> rates(ring_count());
-        for_each_mode([&](int nx, int ny, double k, std::size_t index) {
-            std::optional<Rate>& rate = rates[static_cast<std::size_t>(nx * nx + ny * ny)];
-            if (!rate)
-                rate = mode_rate(dispersion.omega(k), loop_period_us);
-            modes_.rate[index] = *rate;
-        });
-    }
-
-  private:
-    /// nx^2 + ny^2 within the band's disc, and the corners that are looked at and left.
-    std::size_t ring_count() const {
-        return static_cast<std::size_t>(2 * steps_max_ * steps_max_ + 1);
-    }
-
-    template <class F>
-    void for_each_mode(const F& f) const {
-        const int size = modes_.spec.size;
-        for (int ny = -steps_max_; ny <= steps_max_; ++ny)
-            for (int nx = -steps_max_; nx <= steps_max_; ++nx) {
-                const double k = step_ * std::sqrt(nx * nx + ny * ny);
-                if ((nx != 0 || ny != 0) && modes_.band.contains(k))
-                    f(nx, ny, k,
-                      static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size));
-            }
-    }
-
-    const SeaState& sea_;
-    CascadeModes& modes_;
-    double step_;
-    int steps_max_;
-};
+        const double amplitude = 0.5 * std::sqrt(variances[index]);
+        const GaussianPair xi = gaussian_pair({seed, system, tile, nx, ny});
+        modes.h0[index] += std::complex(amplitude * xi.real, amplitude * xi.imaginary);
+    });
+}
 
 } // namespace
+
+/// Omega is computed once for each nx^2 + ny^2.
+void fill_rates(CascadeModes& modes, const Dispersion& dispersion, TimeUs loop_period_us) {
+    const int steps = steps_of_band(modes);
+    // Within the band's disc, and the corners that are looked at and left.
+    std::vector<std::optional<Rate>> rates(static_cast<std::size_t>(2 * steps * steps + 1));
+    for_each_mode_of_band(modes, [&](int nx, int ny, double k, std::size_t index) {
+        std::optional<Rate>& rate = rates[static_cast<std::size_t>(nx * nx + ny * ny)];
+        if (!rate)
+            rate = mode_rate(dispersion.omega(k), loop_period_us);
+        modes.rate[index] = *rate;
+    });
+}
 
 Rate mode_rate(double omega_radps, TimeUs loop_period_us) {
     SEAWAY_CHECK(omega_radps >= 0.0 && omega_radps <= rate_omega_max_radps,
@@ -269,10 +260,9 @@ Result<Realization> realize_with(const std::vector<DirectionalSpectrum>& spectra
         modes.band = (*bands)[c];
         modes.h0.resize(points);
         modes.rate.resize(points);
-        CascadeFiller filler(sea, modes);
-        filler.fill_rates(realization.loop_period_us);
+        fill_rates(modes, sea.dispersion(), realization.loop_period_us);
         for (std::size_t s = 0; s < spectra.size(); ++s)
-            filler.add(spectra[s], static_cast<std::uint32_t>(s));
+            add_spectrum(spectra[s], sea.seed, static_cast<std::uint32_t>(s), modes);
     }
     SEAWAY_TRY(add_explicit(realization, sea));
     for (CascadeModes& modes : realization.cascades)

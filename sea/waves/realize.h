@@ -26,6 +26,11 @@ Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> ca
 /// The same without amplitudes (h0 is empty): tiles, frequencies and phases. About 2 ms.
 Result<Realization> realize_clocks(const SeaState& sea, std::span<const CascadeSpec> cascades);
 
+/// The frequencies of all waves of the tile's band, whether there is one or not: in a transition a wave that comes or goes turns by
+/// the law of the sea that it comes to, and who knows no more than which waves are large (spectrum_builder.h) turns it alike.
+/// The band's waves are no faster than a rate holds.
+void fill_rates(CascadeModes& modes, const Dispersion& dispersion, TimeUs loop_period_us);
+
 /// The stored frequency of a wave: omega(k), or with a loop the nearest whole number of turns a
 /// period, at least one (hard case B7: rounding down would freeze long swell).
 Rate mode_rate(double omega_radps, TimeUs loop_period_us);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/waves/spectrum_builder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -10,6 +12,17 @@
 #include "sea/waves/sine_limits.h"
 
 namespace seaway::sea {
+
+namespace {
+
+Result<void> holds_rate(double omega_radps) {
+    if (omega_radps <= rate_omega_max_radps)
+        return {};
+    return Error{
+        fmt::format("a wave of {} rad/s, {} is the most", omega_radps, rate_omega_max_radps)};
+}
+
+} // namespace
 
 Result<SpectrumBuilder> SpectrumBuilder::create(const SpectrumFrame& frame,
                                                 const SpectrumSteps& steps) {
@@ -33,6 +46,12 @@ Result<SpectrumBuilder> SpectrumBuilder::create(const SpectrumFrame& frame,
         modes.h0.resize(static_cast<std::size_t>(tile.spec.size) *
                         static_cast<std::size_t>(tile.spec.size));
         modes.rate.resize(modes.h0.size());
+        modes.carries_spectra = tile.carries_spectra;
+        if (!tile.carries_spectra)
+            continue;
+        SEAWAY_TRY(holds_rate(
+            frame.dispersion.omega(std::min(tile.band.k_hi_radpm, std::numbers::sqrt2 * tile.spec.nyquist_radpm()))));
+        fill_rates(modes, frame.dispersion, frame.loop_period_us);
     }
     return builder;
 }
@@ -69,9 +88,7 @@ Result<void> SpectrumBuilder::put(const WaveBlock& block, int i, int j) {
     const double k_radpm =
         modes.spec.wavenumber_step_radpm() * std::sqrt(static_cast<double>(nx * nx + ny * ny));
     const double omega_radps = dispersion_.omega(k_radpm);
-    if (!(omega_radps <= rate_omega_max_radps))
-        return Error{
-            fmt::format("a wave of {} rad/s, {} is the most", omega_radps, rate_omega_max_radps)};
+    SEAWAY_TRY(holds_rate(omega_radps));
     const double step = steps_.of(k_radpm, block.shift);
     modes.h0[index] += std::complex(step * real, step * imaginary);
     modes.rate[index] = modes.rate[at(-nx, -ny)] = mode_rate(omega_radps, sea_.loop_period_us);

@@ -20,6 +20,7 @@ struct SpectrumFrame {
     struct Tile {
         CascadeSpec spec;
         Band band;
+        bool carries_spectra = true; ///< or waves alone that a scene places (CascadeModes)
     };
     std::vector<Tile> tiles;
     Choppiness choppiness;
@@ -32,7 +33,7 @@ inline constexpr std::size_t spectrum_modes_max = std::size_t{8} << 20;
 
 class SpectrumBuilder {
   public:
-    /// A sea without waves. An error: the tiles have more than spectrum_modes_max points.
+    /// A sea without waves. Errors: the tiles have more than spectrum_modes_max points, or a band too fast for rates.
     static Result<SpectrumBuilder> create(const SpectrumFrame& frame, const SpectrumSteps& steps);
 
     /// Adds a layer of a block. Errors: a cascade that there is not, a wave

@@ -6,7 +6,9 @@
 
 #include "client/link/failure.h"
 #include "client/rebuilt/gliding_sea.h"
+#include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/realize.h"
+#include "sea/waves/spectrum_builder.h"
 #include "tests/client/announced_scene.h"
 
 namespace seaway::client {
@@ -58,6 +60,47 @@ TEST(GlidingSea, is_the_transition_that_the_server_makes_at_every_time) {
                 EXPECT_NEAR(a.height, b.height, 1e-9) << change.name << " at " << time_us;
                 EXPECT_NEAR(a.displacement_x, b.displacement_x, 1e-9) << change.name;
             }
+        }
+    }
+}
+
+/// As a client has them whom those were sent that are large enough.
+RebuiltSea told_of(const sea::Realization& waves, double depth_m, double error_m) {
+    sea::SeaState sea = tests::announced_scene().sea;
+    sea.depth_m = depth_m;
+    sea::SpectrumFrame frame{.tiles = {},
+                             .choppiness = waves.choppiness,
+                             .dispersion = sea.dispersion(),
+                             .loop_period_us = waves.loop_period_us};
+    for (const sea::CascadeModes& modes : waves.cascades)
+        frame.tiles.push_back({modes.spec, modes.band, modes.carries_spectra});
+    const sea::QuantisedSpectrum sent = sea::quantise(waves, {error_m});
+    sea::SpectrumBuilder builder = *sea::SpectrumBuilder::create(frame, sent.steps);
+    for (const sea::WaveBlock& block : sent.blocks)
+        EXPECT_TRUE(builder.add(block));
+    return RebuiltSea(std::make_shared<const sea::Realization>(builder.sea()), tests::announced(),
+                      {sea::spectrum_sigmas * sent.left.back().height_m,
+                       sea::spectrum_sigmas * sent.left.back().displacement_m});
+}
+
+// Naive: who is not told of a small wave of the new sea takes it for none, and lets the old one fade at its old frequency.
+TEST(GlidingSea, turns_waves_that_fade_into_smaller_ones_than_are_told_by_the_law_of_the_new_sea) {
+    const auto before = waves_of({"", 9, 30, 0});
+    const auto made = sea::SeaTransition::create(before, waves_of({"calmer and shallow", 2, 3, 0}),
+                                                 glide_start_us, glide_end_us);
+    ASSERT_TRUE(made);
+    const RebuiltSea from = told_of(*before, 30, 0.01), to = told_of(*made->after(), 3, 0.05);
+    const auto glide =
+        GlidingSea::create(tests::announced(), from, to, glide_start_us, glide_end_us);
+    ASSERT_TRUE(glide) << glide.error().message;
+    for (const sea::TimeUs time_us : {glide_start_us + 1, sea::TimeUs{100'000'000},
+                                      sea::TimeUs{120'000'000}, glide_end_us - 1}) {
+        const sea::DirectSum truth(made->at(time_us)), own((*glide)->waves_at(time_us));
+        for (int i = 0; i < 20; ++i) {
+            const double x_m = 37.0 * i, y_m = -91.0 * i;
+            EXPECT_NEAR(truth.at(x_m, y_m, time_us).height, own.at(x_m, y_m, time_us).height,
+                        (*glide)->error().height_m)
+                << time_us;
         }
     }
 }

@@ -172,6 +172,30 @@ TEST(Changes, who_has_the_waves_glides_by_itself_and_so_does_who_joins_on_the_wa
     expect_right(*afterwards, std::span(points).last(15));
 }
 
+// Naive: of the glides that end where a steady sea begins the first is taken, which another had taken over from.
+TEST(Changes, of_two_that_are_to_end_at_the_same_moment_the_later_ones_waves_stay) {
+    tests::ServerProcess server(arguments(tests::folder().file("same_end")));
+    const std::string url = server.wait_until_ready();
+    const auto client = connect(url);
+    ASSERT_TRUE(client) << server.log();
+    ASSERT_TRUE(client->subscribe_spectrum({}, 30));
+    const int start_s = static_cast<int>(sea::seconds_from_us(client->now_us())) + 4;
+    const auto set = [&](const char* value, int at_s) {
+        return ctl(url, {"set", value, "--at", std::to_string(at_s), "--over",
+                         fmt::format("{}s", start_s + 16 - at_s)});
+    };
+    ASSERT_EQ(set("systems.0.from_deg=40", start_s).code, 0);
+    ASSERT_EQ(set("systems.0.from_deg=160", start_s + 6).code, 0);
+    while (sea::seconds_from_us(client->now_us()) < start_s + 19) // two pings behind the end
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::vector<sea::QueryPoint> points;
+    for (const double after_s : {-0.001, 0.001, 2.5, 40.0, 1e5})
+        for (int place = 0; place < 5; ++place)
+            points.push_back(
+                {37.0 * place, -91.0 * place, sea::us_from_seconds(start_s + 16 + after_s)});
+    expect_right(*client, points);
+}
+
 TEST(Changes, survive_a_kill_bit_for_bit_and_none_that_was_acknowledged_is_lost) {
     const std::string folder = tests::folder().file("killed");
     std::mt19937 random(12);

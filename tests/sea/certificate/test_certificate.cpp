@@ -160,6 +160,17 @@ TEST(Certificate, no_cut_and_no_flipped_byte_does_harm) {
     }
 }
 
+// Naive: shown in a message, and each depth takes a call.
+TEST(Certificate, one_without_a_bottom_is_refused) {
+    constexpr int depth = 400'000;
+    const Result<Certificate> read = parse_certificate(
+        "{\"format\": " + std::string(depth, '[') + std::string(depth, ']') + "}", "deep");
+    ASSERT_FALSE(read);
+    EXPECT_NE(read.error().message.find("deep has objects or lists within one another more than 16"),
+              std::string::npos)
+        << read.error().message;
+}
+
 TEST(Certificate, holds_for_its_own_configuration_with_any_seed) {
     const Certificate c = certificate();
     EXPECT_THAT(certificate_warnings(c, scene_of(scene_text), gale), IsEmpty());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A spectrum in few numbers: what it says it misses is what it misses, with every block and at any time.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ using testing::windy_sea;
 SpectrumFrame frame_of(const Realization& sea, const SeaState& state) {
     SpectrumFrame frame;
     for (const CascadeModes& modes : sea.cascades)
-        frame.tiles.push_back({modes.spec, modes.band});
+        frame.tiles.push_back({modes.spec, modes.band, modes.carries_spectra});
     frame.choppiness = sea.choppiness;
     frame.dispersion = state.dispersion();
     frame.loop_period_us = sea.loop_period_us;
@@ -169,13 +170,20 @@ TEST(QuantisedSpectrum, the_coarse_layer_comes_first_and_each_layer_most_energet
               10 * (waves.left[half].height_m - waves.left.back().height_m));
 }
 
-TEST(QuantisedSpectrum,
-     a_sea_that_is_calmer_than_the_bound_needs_no_block_and_one_without_waves_none) {
-    const RealizationPtr sea = realized(windy_sea(), three_cascades);
-    const QuantisedSpectrum coarse = quantise(*sea, {1e4});
-    EXPECT_TRUE(coarse.blocks.empty());
-    EXPECT_GT(coarse.without.height_m, 0.1) << "which it says";
-    Realization calm = *sea;
+// Naive: a sea of which nothing is worth a code is no chunk, and who gets none takes it that nothing is missed.
+TEST(QuantisedSpectrum, a_sea_that_rounds_to_nothing_says_what_is_missed) {
+    const SeaState state = windy_sea();
+    const RealizationPtr sea = realized(state, three_cascades);
+    const QuantisedSpectrum waves = quantise(*sea, {1e3});
+    ASSERT_EQ(waves.blocks.size(), 1u);
+    ASSERT_EQ(waves.bits.size(), 1u);
+    expect_near(waves.left.at(0), waves.without);
+    expect_near(waves.left[0], difference(*sea, rebuilt(*sea, state, waves)));
+    EXPECT_GT(waves.left[0].height_m, 0.0);
+}
+
+TEST(QuantisedSpectrum, a_sea_without_waves_needs_no_block) {
+    Realization calm = *realized(windy_sea(), three_cascades);
     for (CascadeModes& modes : calm.cascades)
         std::fill(modes.h0.begin(), modes.h0.end(), 0.0);
     const QuantisedSpectrum none = quantise(calm, {0.01, 0.005});
@@ -276,10 +284,31 @@ TEST(SpectrumBuilder, refuses_blocks_of_no_cascade_and_waves_of_no_lattice_by_na
     EXPECT_EQ(why({0, 127, 127, 0, false, {}}), "") << "beyond, but nothing is there";
 }
 
+TEST(SpectrumBuilder, knows_the_rate_of_every_wave_of_a_band_as_the_sea_that_was_realised_does) {
+    SeaState state = windy_sea();
+    state.systems.push_back(ExplicitModes{.length_m = 77.0, .modes = {{3, 0, 0.1, 0.0}}});
+    for (const double loop_s : {0.0, 60.0}) {
+        state.loop_period_s = loop_s;
+        const RealizationPtr sea = realized(state, three_cascades);
+        const Realization told = begun(*sea, state, quantise(*sea, {0.02})).sea();
+        ASSERT_EQ(told.cascades.size(), 4u);
+        for (std::size_t c = 0; c < 4; ++c)
+            if (sea->cascades[c].carries_spectra)
+                EXPECT_EQ(told.cascades[c].rate, sea->cascades[c].rate) << c;
+            else
+                EXPECT_EQ(std::ranges::count(told.cascades[c].rate, 0u),
+                          std::ssize(told.cascades[c].rate));
+    }
+}
+
 // A rate that no rate holds would abort where seas are realised.
 TEST(SpectrumBuilder, refuses_waves_that_turn_too_fast_and_tiles_that_are_too_many) {
     SpectrumFrame frame{
         .tiles = {{{1e-3, 64}, {0.0, 1e9}}}, .choppiness = {}, .dispersion = {1e3, 1.0}};
+    const auto band = SpectrumBuilder::create(frame, {0.001, 0});
+    ASSERT_FALSE(band);
+    EXPECT_NE(band.error().message.find("rad/s"), std::string::npos);
+    frame.tiles[0].carries_spectra = false; // no wave is known of before it comes
     SpectrumBuilder fast = *SpectrumBuilder::create(frame, {0.001, 0});
     WaveBlock block{0, 1, 1, 0, false, {}};
     block.codes[0] = 1;
