@@ -30,7 +30,8 @@ struct SpectrumAccuracy {
 
 struct QuantisedSpectrum {
     SpectrumSteps steps;
-    std::vector<WaveBlock> blocks; ///< at least one, whose codes may all be 0, of a sea that has any wave
+    std::vector<WaveBlock>
+        blocks; ///< at least one, whose codes may all be 0, of a sea that has any wave
     /// What is missed once the blocks up to and including this one are there.
     std::vector<SpectrumLeft> left;
     SpectrumLeft without;     ///< without any block

@@ -49,8 +49,8 @@ Result<SpectrumBuilder> SpectrumBuilder::create(const SpectrumFrame& frame,
         modes.carries_spectra = tile.carries_spectra;
         if (!tile.carries_spectra)
             continue;
-        SEAWAY_TRY(holds_rate(
-            frame.dispersion.omega(std::min(tile.band.k_hi_radpm, std::numbers::sqrt2 * tile.spec.nyquist_radpm()))));
+        SEAWAY_TRY(holds_rate(frame.dispersion.omega(
+            std::min(tile.band.k_hi_radpm, std::numbers::sqrt2 * tile.spec.nyquist_radpm()))));
         fill_rates(modes, frame.dispersion, frame.loop_period_us);
     }
     return builder;

@@ -166,8 +166,9 @@ TEST(Certificate, one_without_a_bottom_is_refused) {
     const Result<Certificate> read = parse_certificate(
         "{\"format\": " + std::string(depth, '[') + std::string(depth, ']') + "}", "deep");
     ASSERT_FALSE(read);
-    EXPECT_NE(read.error().message.find("deep has objects or lists within one another more than 16"),
-              std::string::npos)
+    EXPECT_NE(
+        read.error().message.find("deep has objects or lists within one another more than 16"),
+        std::string::npos)
         << read.error().message;
 }
 
