@@ -221,10 +221,12 @@ static inline const char* seaway_hull_fault(const seaway_hull* hull) {
 }
 
 /* One part of a step: the velocities first, by the forces where the body is, then the places by the new velocities, which
- * keeps the energy of waves bounded. Drag is divided by what it would do within the part: it slows, and never reverses. */
+ * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. Drag is
+ * divided by twice what it would do within the part, since off the centre what it does along and around may add up: it slows, and
+ * never reverses. */
 static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const seaway_load* load,
                                double part_s) {
-    double lighter[3], lazier[3], inertia[3], rows[3][3], gained[3], momentum[3], turn[3];
+    double lighter[3], lazier[3], inertia[3], rows[3][3], gained[3], momentum[3], turn[3], half[4];
     double force[3], torque[3], least_kg = HUGE_VAL, least_kgm2 = HUGE_VAL;
     for (int i = 0; i < 3; ++i) {
         const double kg = hull->mass_kg * (1 + hull->added_mass[i]);
@@ -234,8 +236,8 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
         least_kg = fmin(least_kg, kg);
         least_kgm2 = fmin(least_kgm2, inertia[i]);
     }
-    const double slowed = 1 / (1 + part_s * load->drag_nspm / least_kg);
-    const double calmed = 1 / (1 + part_s * load->drag_nmsprad / least_kgm2);
+    const double slowed = 1 / (1 + 2 * part_s * load->drag_nspm / least_kg);
+    const double calmed = 1 / (1 + 2 * part_s * load->drag_nmsprad / least_kgm2);
     for (int i = 0; i < 3; ++i) {
         force[i] = load->force_n[i] + slowed * load->drag_n[i];
         torque[i] = load->torque_nm[i] + calmed * load->drag_nm[i];
@@ -248,6 +250,13 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
     /* Angular momentum is what lasts: a body that spins freely keeps it, at any length of step. */
     seaway_along_axes(rows, inertia, body->angular_velocity_radps, momentum);
     seaway_add(momentum, part_s, torque);
+    seaway_along_axes(rows, lazier, momentum, turn);
+    for (int i = 0; i < 4; ++i)
+        half[i] = body->orientation[i];
+    for (int i = 0; i < 3; ++i)
+        turn[i] *= 0.5 * part_s;
+    seaway_turn(half, turn);
+    seaway_rows(half, rows);
     seaway_along_axes(rows, lazier, momentum, turn);
     for (int i = 0; i < 3; ++i)
         turn[i] *= part_s;

@@ -30,6 +30,11 @@ static inline int seaway_next_word(seaway_words* words) {
     return words->at < words->end && *words->at != '#';
 }
 
+static inline int seaway_word_ends(const seaway_words* words) {
+    return words->at == words->end || *words->at == ' ' || *words->at == '\t' ||
+           *words->at == '\r' || *words->at == '#';
+}
+
 /* A whole number, at most 2^31; 0 if there is none. */
 static inline int seaway_take_whole(seaway_words* words, int64_t* value) {
     const int negative = seaway_take(words, '-');
@@ -53,8 +58,9 @@ static inline int seaway_take_number(seaway_words* words, double* value) {
         for (; seaway_is_digit(words); ++words->at, ++digits, --tens)
             *value = 10 * *value + (*words->at - '0');
     if (seaway_take(words, 'e') || seaway_take(words, 'E')) {
-        (void)seaway_take(words, '+');
-        if (!seaway_take_whole(words, &exponent) || exponent > 400 || exponent < -400)
+        const int positive = seaway_take(words, '+');
+        if (!seaway_take_whole(words, &exponent) || exponent > 400 ||
+            exponent < (positive ? 0 : -400))
             return 0;
     }
     for (int64_t i = exponent + tens; i != 0; i += i > 0 ? -1 : 1)
@@ -80,7 +86,8 @@ static inline int seaway_take_corner(seaway_words* words, size_t vertex_count, u
 static inline int seaway_obj_vertex(seaway_words* words, seaway_obj* mesh) {
     double place[3];
     for (int i = 0; i < 3; ++i)
-        if (!seaway_next_word(words) || !seaway_take_number(words, &place[i]))
+        if (!seaway_next_word(words) || !seaway_take_number(words, &place[i]) ||
+            !seaway_word_ends(words))
             return 0;
     for (size_t i = 0; mesh->vertices_m && mesh->vertex_count < mesh->vertex_room && i < 3; ++i)
         mesh->vertices_m[3 * mesh->vertex_count + i] = place[i];
@@ -93,7 +100,7 @@ static inline int seaway_obj_face(seaway_words* words, seaway_obj* mesh) {
     size_t corners = 0;
     for (; seaway_next_word(words); ++corners) {
         fan[1] = fan[2];
-        if (!seaway_take_corner(words, mesh->vertex_count, &fan[2]))
+        if (!seaway_take_corner(words, mesh->vertex_count, &fan[2]) || !seaway_word_ends(words))
             return 0;
         if (corners == 0)
             fan[0] = fan[2];
@@ -110,6 +117,9 @@ static inline int seaway_obj_face(seaway_words* words, seaway_obj* mesh) {
 static inline seaway_code seaway_read_obj(const char* text, size_t length, seaway_obj* mesh) {
     const char* end = text + length;
     mesh->vertex_count = mesh->triangle_count = mesh->line = 0;
+    if (length >= 3 && text[0] == '\xef' && text[1] == '\xbb' &&
+        text[2] == '\xbf') /* some editors' mark */
+        text += 3;
     while (text < end) {
         seaway_words words = {text, text};
         while (words.end < end && *words.end != '\n')

@@ -78,6 +78,10 @@ seaway_code seaway_connect(const char* url, const seaway_connect_options* option
                 return bad("seaway_connect: timeout_s must be 0 to 86400");
             connect.name = text(options->name, connect.name);
             connect.token = text(options->token, "");
+            for (const std::string* said : {&connect.name, &connect.token})
+                if (said->size() > protocol::limits::hello_text_bytes_max)
+                    return bad(fmt::format("seaway_connect: name and token have {} bytes at most",
+                                           protocol::limits::hello_text_bytes_max));
             connect.ca_file = text(options->ca_file, "");
             if (options->timeout_s > 0)
                 connect.timeout_s = options->timeout_s;

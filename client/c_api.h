@@ -137,7 +137,7 @@ template <class Struct>
 Result<void> has_room(const Struct* to, std::size_t least, const char* name) {
     if (!to)
         return bad(fmt::format("{} must not be null", name));
-    if (to->size < least)
+    if (to->size < least || to->size > struct_bytes_max)
         return bad(fmt::format("{}: size must be sizeof({})", name, name));
     return {};
 }

@@ -71,6 +71,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
     take_waves(events);
     events.on_grant = [this](const Grant& grant) { take_grant(grant); };
     take_times(events, joining);
+    events.on_tick = [this] { say_what_is_held(); };
     events.on_closed = [this, joining](const Error& reason) {
         bool adopted = false;
         {
@@ -390,11 +391,14 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
         const SeaThen then = sea_then(time_us);
-        // All that follows of the same keyframes, at once: points share what a time costs, and wait for memory together.
         TimeSpan span = then.span;
-        if (!then.waves)
+        if (!then.waves) {
+            splines_ahead_ = splines_ahead_max;
+            SEAWAY_TRY(surfaces.lend(then.state, ring, time_us, fields, surface));
             span = glides_choppiness(*then.state) ? TimeSpan{time_us, time_us}
-                                                  : span.within(cell_span(*then.state, time_us));
+                                                  : span.within(surface.times());
+        }
+        // All that follows of the same keyframes, at once: points share what a time costs, and wait for memory together.
         std::size_t end = first + 1;
         while (end < points.size() &&
                (points[end].time_us == time_us || span.contains(points[end].time_us)))
@@ -414,8 +418,6 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
                     leave_out_velocity(answer);
             continue;
         }
-        splines_ahead_ = splines_ahead_max;
-        SEAWAY_TRY(surfaces.lend(then.state, ring, time_us, fields, surface));
         surface->surface.answer(asked, answered, some);
         if (!surface->covers)
             for (Answer& answer : answered)

@@ -249,6 +249,7 @@ class Client {
     template <class Kind>
     Result<void> subscribe_as_before(const std::optional<Kind>& kept);
     void say_status();
+    void say_what_is_held(); ///< where that is something else than was said
     /// mutex_ held, on the connection's thread: its first sea is known.
     void join(Joining& joining, const SeaState& state);
     /// mutex_ held. Why it is not the sea that is held; empty: it is.
@@ -421,6 +422,11 @@ class Client {
     bool unsure_ = false;                                            ///< so it says itself
     Unheard missed_;    ///< of the last connection that ended, where the sea was changed meanwhile
     std::mutex saying_; ///< of on_status; before mutex_
+    /// What was said of that which changes without an event; of saying_.
+    struct Said {
+        bool tiles = false, waves = false, stale = false;
+        bool operator==(const Said&) const = default;
+    } said_;
     std::thread keeper_;
 
     // Of a client without threads.

@@ -227,7 +227,18 @@ void Client::say_status() {
     if (!events_.on_status)
         return;
     const std::scoped_lock lock(saying_);
-    events_.on_status(status());
+    const ClientStatus now = status();
+    said_ = {now.holds_tiles, now.holds_waves, now.stale_s > 0};
+    events_.on_status(now);
+}
+
+void Client::say_what_is_held() {
+    if (!events_.on_status)
+        return;
+    const std::scoped_lock lock(saying_);
+    const ClientStatus now = status();
+    if (std::exchange(said_, {now.holds_tiles, now.holds_waves, now.stale_s > 0}) != said_)
+        events_.on_status(now);
 }
 
 ClientStatus Client::status() const {

@@ -14,6 +14,13 @@ bool made_of(const sea::Surface& surface, const HeldPairs& held) {
         });
 }
 
+/// A keyframe that stands alone is right at its own time, and at no other of those that no keyframe lies between.
+TimeSpan times_of(const HeldPairs& held, const SeaState& state, sea::TimeUs time_us) {
+    const bool alone = std::ranges::any_of(
+        held.pairs, [](const KeyframePair& pair) { return pair.before == pair.after; });
+    return alone ? TimeSpan{time_us, time_us + 1} : cell_span(state, time_us);
+}
+
 } // namespace
 
 TimeSpan TimeSpan::within(const TimeSpan& other) const {
@@ -44,7 +51,7 @@ void HeldSurfaces::Lent::give_back() {
 bool HeldSurfaces::fits(const Place& place, const SeaStatePtr& state, sea::TimeUs time_us,
                         sea::FieldSet fields) {
     if (!place.local || place.state != state || place.fields != fields ||
-        !place.cell.contains(time_us))
+        !place.times.contains(time_us))
         return false;
     const sea::Choppiness& made = place.local->surface.choppiness();
     return made.x == state->choppiness_x_at(time_us) && made.y == state->choppiness_y_at(time_us);
@@ -83,13 +90,15 @@ Result<void> HeldSurfaces::lend(const SeaStatePtr& state, const KeyframeRing& ri
             oldest = &place;
     }
     LocalSurface made{surface_of(*state, time_us, held), held.covers};
+    const TimeSpan times = times_of(held, *state, time_us);
     if (!oldest) {
         lent.own_.emplace(std::move(made));
+        lent.own_times_ = times;
         return {};
     }
     oldest->state = state;
     oldest->fields = fields;
-    oldest->cell = cell_span(*state, time_us);
+    oldest->times = times;
     oldest->ring_changes = changes;
     oldest->local.emplace(std::move(made));
     take(*oldest, lent);

@@ -34,7 +34,7 @@ class HeldSurfaces {
         std::uint64_t last_used = 0;
         SeaStatePtr state;
         sea::FieldSet fields;
-        TimeSpan cell;
+        TimeSpan times;
         std::uint64_t ring_changes = 0;
         std::optional<LocalSurface> local;
     };
@@ -50,6 +50,8 @@ class HeldSurfaces {
 
         const LocalSurface& operator*() const { return place_ ? *place_->local : *own_; }
         const LocalSurface* operator->() const { return &**this; }
+        /// It is of every time of these.
+        const TimeSpan& times() const { return place_ ? place_->times : own_times_; }
 
       private:
         friend class HeldSurfaces;
@@ -57,6 +59,7 @@ class HeldSurfaces {
 
         Place* place_ = nullptr;
         std::optional<LocalSurface> own_; ///< where all places are taken
+        TimeSpan own_times_;
     };
 
     /// The surface around one time, as local_surface().

@@ -79,7 +79,7 @@ typedef struct seaway_client seaway_client;
 
 /* Zero or NULL everywhere: the defaults. */
 typedef struct seaway_connect_options {
-    const char* name;    /* for the server's log */
+    const char* name;    /* for the server's log; 1024 bytes at most, as the token */
     const char* token;   /* if the server asks for one */
     const char* ca_file; /* certificates (PEM) to trust besides the system's, for wss */
     /* For connecting until the sea is known, and a second more at most; 0: 5. But a host's name is looked up for as long as the
@@ -154,8 +154,8 @@ typedef struct seaway_status {
 /* At once. The size must be given; what a newer library knows beyond it is left out. */
 seaway_code seaway_get_status(const seaway_client* client, seaway_status* status);
 
-/* Calls `watch(user, status)` whenever anything of the status but the passing of time is another, on a thread of the
- * library: it must not block, and not call seaway_disconnect or seaway_watch_status. Calls come one after the other; the status
+/* Calls `watch(user, status)` whenever state, connections, seas, reason or holds are others, and when stale_s begins and ends, of
+ * these latter three within some tenths of a second, on a thread of the library: it must not block, and not call seaway_disconnect or seaway_watch_status. Calls come one after the other; the status
  * is valid during the call. NULL ends it: no call is under way when this returns. One a client. */
 typedef void (*seaway_status_watch)(void* user, const seaway_status* status);
 seaway_code seaway_watch_status(seaway_client* client, seaway_status_watch watch, void* user);
@@ -275,9 +275,22 @@ seaway_code seaway_sample(const seaway_client* client, const seaway_point* point
 
 #ifdef __cplusplus
 } /* extern "C" */
-static_assert(sizeof(seaway_point) == 24 && sizeof(seaway_answer) == 72 &&
-                  sizeof(seaway_connect_options) == 48 && sizeof(seaway_status) == 312,
-              "these structs are the ABI");
 #endif
+
+/* Held by C++, and by C from 2011 on. */
+#if defined(__cplusplus)
+#define SEAWAY_HAS_SIZE(type, bytes) static_assert(sizeof(type) == (bytes), #type " is the ABI")
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
+#define SEAWAY_HAS_SIZE(type, bytes) _Static_assert(sizeof(type) == (bytes), #type " is the ABI")
+#else
+#define SEAWAY_HAS_SIZE(type, bytes) struct seaway_held_by_later_compilers
+#endif
+SEAWAY_HAS_SIZE(seaway_connect_options, 48);
+SEAWAY_HAS_SIZE(seaway_status, 312);
+SEAWAY_HAS_SIZE(seaway_clock_status, 32);
+SEAWAY_HAS_SIZE(seaway_sea, 56);
+SEAWAY_HAS_SIZE(seaway_point, 24);
+SEAWAY_HAS_SIZE(seaway_answer, 72);
+SEAWAY_HAS_SIZE(seaway_subscription, 40);
 
 #endif

@@ -381,11 +381,21 @@ int seaway_poll_descriptor(seaway_client* client);
 
 #ifdef __cplusplus
 } /* extern "C" */
-static_assert(sizeof(seaway_wish) == 48 && sizeof(seaway_looking) == 16 &&
-                  sizeof(seaway_water) == 112 && sizeof(seaway_below) == 104 &&
-                  sizeof(seaway_map_wish) == 48 && sizeof(seaway_sampling) == 24 &&
-                  sizeof(seaway_terms) == 128,
-              "these structs are the ABI, and grow at their end alone");
 #endif
+
+/* These grow at their end alone. */
+SEAWAY_HAS_SIZE(seaway_wish, 48);
+SEAWAY_HAS_SIZE(seaway_grant, 296);
+SEAWAY_HAS_SIZE(seaway_state, 112);
+SEAWAY_HAS_SIZE(seaway_cascade, 56);
+SEAWAY_HAS_SIZE(seaway_source, 252);
+SEAWAY_HAS_SIZE(seaway_looking, 16);
+SEAWAY_HAS_SIZE(seaway_water, 112);
+SEAWAY_HAS_SIZE(seaway_below, 104);
+SEAWAY_HAS_SIZE(seaway_sampling, 24);
+SEAWAY_HAS_SIZE(seaway_terms, 128);
+SEAWAY_HAS_SIZE(seaway_map_wish, 48);
+SEAWAY_HAS_SIZE(seaway_map, 56);
+SEAWAY_HAS_SIZE(seaway_event, 16);
 
 #endif

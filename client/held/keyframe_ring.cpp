@@ -85,8 +85,10 @@ std::size_t RingLimits::room(std::size_t keyframe_bytes) const {
 
 std::size_t RingLimits::more_passing(sea::TimeUs interval_us) const {
     constexpr TimeUs shortest_us = *std::ranges::min_element(sea::keyframe_intervals_us);
-    const TimeUs longer_us = std::max<TimeUs>(look_back_us - look_back_usual_us, 0);
-    return static_cast<std::size_t>(longer_us / std::max(interval_us, shortest_us));
+    if (look_back_us <= look_back_usual_us)
+        return 0;
+    // One for a part of an interval, and one before it. The least that are held are what is ahead, and now.
+    return 2 + static_cast<std::size_t>(look_back_us / std::max(interval_us, shortest_us));
 }
 
 void KeyframeRing::insert(HeldKeyframePtr keyframe) {

@@ -351,6 +351,8 @@ void Connection::on_tick() {
         return;
     const std::int64_t now_us = local_now_us();
     requests_.expire(now_us);
+    if (events_.on_tick)
+        events_.on_tick();
     if (now_us < next_ping_us_)
         return;
     ++pings_;

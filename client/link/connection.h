@@ -68,6 +68,8 @@ struct ConnectionEvents {
     /// One look at the server's clock: local times as local_now_us().
     std::function<void(std::int64_t sent_us, std::int64_t received_us, const sea::SeaTime& said)>
         on_clock{};
+    /// Some twenty times a second for as long as it stands.
+    std::function<void()> on_tick{};
     /// How sea time follows from that, from a moment on.
     std::function<void(const sea::Pace& pace)> on_pace{};
     /// Once, and last; not after a failed open(). One line, and for how long the server wants nobody to come

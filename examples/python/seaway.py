@@ -120,7 +120,7 @@ class Sea:
 
     @staticmethod
     def _answers(asked, call, kind=ANSWER):
-        asked = numpy.ascontiguousarray(asked, POINT)
+        asked = numpy.require(asked, POINT, "C")  # ascontiguousarray makes a row of one point
         answers = numpy.empty(asked.shape, kind)
         _require(call(asked.ctypes.data, asked.size, answers.ctypes.data))
         return answers

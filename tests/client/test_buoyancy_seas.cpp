@@ -183,8 +183,8 @@ seaway_code read(const std::string& text, std::vector<double>& vertices_m,
 }
 
 TEST(HullFiles, a_box_of_four_cornered_faces_is_a_box) {
-    const std::string text =
-        "# a box\r\no box\nv -2 -1 -.5\nv 2.0 -1 -0.5\nv 2 1 -5e-1\nv -2 +1 -0.5 1.0\n"
+    const std::string text = // as some editors begin a file
+        "\xef\xbb\xbf# a box\r\no box\nv -2 -1 -.5\nv 2.0 -1 -0.5\nv 2 1 -5e-1\nv -2 +1 -0.5 1.0\n"
         "vn 0 0 1\n\nv -2 -1 500e-3\nv 2 -1 .5\nv 2 1 0.5\nv -2 1 0.5\n"
         "f 1/1/1 4/2/1 3/3/1 2/4/1\nf 5 6 7 8\r\nf 1//1 2//1 6//1 5//1\n"
         "f -6 -5 -1 -2 # the bow\nf 1/1 5/2 8/3 4/4 #\nf 2 3 7 6#";
@@ -205,7 +205,8 @@ TEST(HullFiles, a_box_of_four_cornered_faces_is_a_box) {
 TEST(HullFiles, a_line_that_makes_no_sense_is_named) {
     for (const char* wrong :
          {"v 1 2", "v 1 2 x", "v 1 2 1e999", "v 1 2 .", "f 1 2", "f 1 2 4", "f 1 2 0", "f 1 2 -4",
-          "f 1 2 99999999999999999999", "f 1 2 x", "f", "v nan 1 2"}) {
+          "f 1 2 99999999999999999999", "f 1 2 x", "f", "v nan 1 2", "v 1.0.5 2", "v 1-2 3",
+          "v 1 2 3abc", "v 1e+-5 0 0", "f 1 2 3x", "f 1-2 3"}) {
         std::vector<double> vertices_m;
         std::vector<std::uint32_t> triangles;
         size_t line = 0;

@@ -213,6 +213,16 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
         const std::string said = seaway_last_error();
         EXPECT_EQ(said.find(names) != std::string::npos, !fine) << said;
     };
+    for (const auto& [bytes, fine] : {std::pair(1024, true), {1025, false}})
+        for (const bool token : {false, true}) {
+            const std::string text(static_cast<std::size_t>(bytes), 'x');
+            seaway_connect_options options{};
+            (token ? options.token : options.name) = text.c_str();
+            seaway_client* other = nullptr;
+            expect(seaway_connect(url.c_str(), &options, &other), fine,
+                   "name and token have 1024 bytes at most");
+            seaway_disconnect(other);
+        }
     for (const auto& [timeout_s, fine] :
          {std::pair(86400.0, true), {86400.5, false}, {-0.5, false}, {std::nan(""), false}}) {
         expect(seaway_query(sea.handle(), &point, 1, 0, timeout_s, &answer), fine,

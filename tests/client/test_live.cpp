@@ -167,6 +167,34 @@ TEST_F(Live, g4_a_time_beyond_what_is_held_is_flagged_as_extrapolated) {
     EXPECT_EQ((*local)[1].flags, static_cast<std::uint32_t>(sea::answer_extrapolated));
 }
 
+// Naive: what was made for a time behind the last keyframe is taken for the time of that keyframe, too.
+TEST_F(Live, g4_the_last_moment_that_is_held_is_that_whatever_was_asked_before) {
+    for (const bool beyond_first : {true, false})
+        for (const bool together : {true, false}) {
+            const auto client = connect();
+            ASSERT_TRUE(client);
+            const sea::TimeUs time_us = 5'010'000;
+            ASSERT_TRUE(client->hold({&time_us, 1}, 10));
+            sea::TimeUs last_us = sea::time_us_max;
+            for (const auto& cascade : client->sea_state(time_us)->cascades)
+                last_us =
+                    std::min(last_us, (time_us / cascade.interval_us + 1) * cascade.interval_us);
+            std::vector<QueryPoint> points{{0, 0, last_us + 1000}, {0, 0, last_us}};
+            if (!beyond_first)
+                std::swap(points[0], points[1]);
+            for (std::size_t i = 0; i < points.size(); i += together ? 2 : 1) {
+                const auto some = std::span(points).subspan(i, together ? 2 : 1);
+                const auto local = client->sample(some);
+                ASSERT_TRUE(local);
+                for (std::size_t n = 0; n < some.size(); ++n)
+                    EXPECT_EQ((*local)[n].flags, some[n].time_us == last_us
+                                                     ? 0u
+                                                     : std::uint32_t{sea::answer_extrapolated})
+                        << beyond_first << together;
+            }
+        }
+}
+
 TEST_F(Live, a_subscription_begins_with_the_present_and_moves_on) {
     std::atomic<sea::TimeUs> came_us = 0;
     const auto client = connect({.on_keyframe = [&](const HeldKeyframePtr& keyframe) {
