@@ -49,7 +49,8 @@ Result<std::shared_ptr<const GlidingSea>> GlidingSea::create(const protocol::Sea
 std::shared_ptr<const RebuiltSea> GlidingSea::at(sea::TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
     if (!moment_ || time_us_ != time_us) {
-        moment_ = std::make_shared<const RebuiltSea>(change_.at(time_us), state_, error_);
+        moment_ = std::make_shared<const RebuiltSea>(change_.at(time_us), state_, error_,
+                                                     change_.growing_at(time_us));
         time_us_ = time_us;
     }
     return moment_;

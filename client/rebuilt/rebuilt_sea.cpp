@@ -31,8 +31,8 @@ Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Reali
 } // namespace
 
 RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
-                       const RebuiltError& error)
-    : waves_(std::move(waves)), sum_(waves_),
+                       const RebuiltError& error, sea::WaveGrowth growth)
+    : waves_(std::move(waves)), sum_(waves_, std::move(growth)),
       folds_(sea::fold_search(state.displacement_reach_m, waves_->choppiness, state.rms_strain)),
       error_(error) {}
 

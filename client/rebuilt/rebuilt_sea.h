@@ -47,7 +47,7 @@ class RebuiltSea final : public OwnSea {
   public:
     /// `state` is of the same sea: of it comes how far points move.
     RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
-               const RebuiltError& error);
+               const RebuiltError& error, sea::WaveGrowth growth = {});
 
     void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
                 std::span<sea::ErrorTerms> terms) const override;

@@ -20,6 +20,7 @@ constexpr double lost_share_reported = 0.01;
 constexpr double lattice_bias_reported = 0.01; ///< as a share, or in radians
 /// Of m0, in overlaps and gaps of bins: rounding of printed frequencies stays below.
 constexpr double bins_reported = 0.002;
+constexpr double widening_reported = 0.03; ///< of a spread
 /// 5 % of a wavelength, or 3 degrees.
 constexpr double snapping_reported = 0.05;
 
@@ -54,6 +55,11 @@ void warn_of_measured(const MeasuredSea& sea, const std::string& system,
             "lines across them would add {:.1f} % of the energy",
             system, quality.gaps, quality.widest_gap_lo_hz, quality.widest_gap_hi_hz,
             100.0 * quality.gap_share));
+    if (quality.spread_read_rad > (1.0 + widening_reported) * quality.spread_of_rows_rad)
+        warnings.push_back(fmt::format(
+            "{}: the table has few directions for so narrow a sea; straight lines between them "
+            "spread it by {:.1f} degrees, its rows alone by {:.1f}",
+            system, quality.spread_read_rad * 180.0 / pi, quality.spread_of_rows_rad * 180.0 / pi));
 }
 
 void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {

@@ -47,24 +47,30 @@ MeasuredDirections MeasuredDirections::from_moments(Complex c1, std::optional<Co
     return d;
 }
 
+double MeasuredDirections::lines_share(std::size_t directions) {
+    const double half_step = pi / static_cast<double>(directions);
+    const double sinc = std::sin(half_step) / half_step;
+    return sinc * sinc;
+}
+
 MeasuredDirections MeasuredDirections::from_table(double first_rad, std::vector<double> density) {
     MeasuredDirections d;
     d.first_rad_ = first_rad;
-    const auto count = static_cast<double>(density.size());
+    const std::size_t density_count = density.size();
+    const auto count = static_cast<double>(density_count);
     double sum = 0.0;
     for (const double value : density)
         sum += value;
     for (double& value : density)
         value = value / sum * (count / two_pi);
     d.table_ = std::move(density);
-    // The first moment of the straight lines between the entries: the entries' own, times sinc^2.
+    // The first moment of the straight lines between the entries.
     const double step = two_pi / count;
     for (std::size_t i = 0; i < d.table_.size(); ++i) {
         const double angle = first_rad + static_cast<double>(i) * step;
         d.c1_ += std::polar(d.table_[i] * step, angle);
     }
-    const double sinc = std::sin(0.5 * step) / (0.5 * step);
-    d.c1_ *= sinc * sinc;
+    d.c1_ *= lines_share(density_count);
     return d;
 }
 

@@ -33,6 +33,9 @@ class MeasuredDirections {
     /// `density` >= 0 at equally spaced angles from `first_rad` on, any scale, one of them > 0.
     static MeasuredDirections from_table(double first_rad, std::vector<double> density);
 
+    /// What straight lines between so many entries leave of their first moment: sinc^2 of half a step.
+    static double lines_share(std::size_t directions);
+
     double operator()(double towards_rad) const; ///< 1/rad; integral over the circle is 1
     std::complex<double> first_moment() const { return c1_; }
     bool changed() const { return changed_; }
@@ -74,6 +77,10 @@ struct MeasuredQuality {
     double gap_share = 0.0; ///< what straight lines across the gaps would add
     double widest_gap_lo_hz = 0.0;
     double widest_gap_hi_hz = 0.0;
+    /// Of a two-dimensional table, all frequencies together: by its rows alone, each for its own direction, and with the
+    /// straight lines between them, which are what is read. 0: no such table.
+    double spread_of_rows_rad = 0.0;
+    double spread_read_rad = 0.0;
 };
 
 struct MeasuredSpectrum {

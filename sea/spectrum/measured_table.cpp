@@ -2,6 +2,7 @@
 // The tables of measured seas (sea/spectrum/measured.h).
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include <fmt/format.h>
 
@@ -210,6 +211,22 @@ Result<double> direction_step(const CsvTable& table, std::size_t first, std::siz
     return step;
 }
 
+void note_spreads(std::size_t directions, MeasuredSpectrum& spectrum) {
+    double m0 = 0.0;
+    std::complex<double> moment{};
+    for (const MeasuredBin& bin : spectrum.bins) {
+        const double energy = bin.density * (bin.omega_hi_radps - bin.omega_lo_radps);
+        m0 += energy;
+        moment += energy * bin.directions->first_moment();
+    }
+    if (!(m0 > 0.0))
+        return;
+    const auto spread = [](double r1) { return std::sqrt(2.0 * std::max(1.0 - r1, 0.0)); };
+    const double r1 = std::abs(moment) / m0;
+    spectrum.quality.spread_read_rad = spread(r1);
+    spectrum.quality.spread_of_rows_rad = spread(r1 / MeasuredDirections::lines_share(directions));
+}
+
 Result<MeasuredSpectrum> from_directions(const CsvTable& table) {
     const std::size_t f = *table.column("f_hz");
     const std::size_t dir = *table.column("dir_from_deg");
@@ -256,6 +273,7 @@ Result<MeasuredSpectrum> from_directions(const CsvTable& table) {
             MeasuredDirections::from_table((270.0 - last_from) * (pi / 180.0), std::move(density));
         spectrum.bins.push_back(std::move(bin));
     }
+    note_spreads(count, spectrum);
     return spectrum;
 }
 

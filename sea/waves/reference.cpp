@@ -75,14 +75,16 @@ const WaveSums& wave_sums(Instructions instructions) {
     return wave_sums_portable();
 }
 
-DirectSum::DirectSum(RealizationPtr sea, Instructions instructions)
-    : sea_(std::move(sea)), sums_(&wave_sums(instructions)) {
+DirectSum::DirectSum(RealizationPtr sea, WaveGrowth growth, Instructions instructions)
+    : sea_(std::move(sea)), growth_(std::move(growth)), sums_(&wave_sums(instructions)) {
     SEAWAY_CHECK(sea_ != nullptr, "direct sum of no sea");
-    for (const CascadeModes& cascade : sea_->cascades)
-        add_cascade(cascade);
+    SEAWAY_CHECK(!growth_.waves || growth_.waves->cascades.size() == sea_->cascades.size(),
+                 "what a sea grows by stands on its tiles");
+    for (std::size_t c = 0; c < sea_->cascades.size(); ++c)
+        add_cascade(sea_->cascades[c], growth_.waves ? &growth_.waves->cascades[c] : nullptr);
 }
 
-void DirectSum::add_cascade(const CascadeModes& cascade) {
+void DirectSum::add_cascade(const CascadeModes& cascade, const CascadeModes* growth) {
     const int size = cascade.spec.size;
     const double step = cascade.spec.wavenumber_step_radpm();
     Tile& tile =
@@ -91,7 +93,7 @@ void DirectSum::add_cascade(const CascadeModes& cascade) {
     int next = 0;   // nx after the last block that is held
     for (int ny = 0; ny < size / 2; ++ny)
         for (int first = 0; first < size / 2; first += sum_lanes) {
-            if (!add_block(cascade, first, ny))
+            if (!add_block(cascade, growth, first, ny))
                 continue;
             const std::size_t block = spectrum_.size() - 1;
             if (tile.runs.empty() || tile.runs.back().ny != ny || next != first)
@@ -106,20 +108,28 @@ void DirectSum::add_cascade(const CascadeModes& cascade) {
 }
 
 /// Eight pairs from nx = first on; false: none carries anything.
-bool DirectSum::add_block(const CascadeModes& cascade, int first, int ny) {
-    PairSpectrum block{};
+bool DirectSum::add_block(const CascadeModes& cascade, const CascadeModes* growth, int first,
+                          int ny) {
     Given given{};
     bool carries = false;
-    for (int lane = 0; lane < sum_lanes; ++lane) {
-        const int nx = first + lane;
-        if (nx > 0 || ny > 0)
-            carries |= take(cascade, nx, ny, lane, block.east, given.east);
-        if (nx > 0 && ny > 0)
-            carries |= take(cascade, -nx, ny, lane, block.west, given.west);
-    }
+    const auto taken = [&](const CascadeModes& from) {
+        PairSpectrum block{};
+        for (int lane = 0; lane < sum_lanes; ++lane) {
+            const int nx = first + lane;
+            if (nx > 0 || ny > 0)
+                carries |= take(from, nx, ny, lane, block.east, given.east);
+            if (nx > 0 && ny > 0)
+                carries |= take(from, -nx, ny, lane, block.west, given.west);
+        }
+        return block;
+    };
+    const PairSpectrum block = taken(cascade);
+    const PairSpectrum grown = growth ? taken(*growth) : PairSpectrum{};
     if (!carries)
         return false;
     spectrum_.push_back(block);
+    if (growth)
+        grown_.push_back(grown);
     given_.push_back(given);
     Lanes& over_k_m = displacement_over_k_m_.emplace_back();
     const double step = cascade.spec.wavenumber_step_radpm();
@@ -140,11 +150,26 @@ DirectSum::Moment DirectSum::at_time(TimeUs time_us, std::uint32_t cascades) con
         if (!moment.has(t) || tiles_[t].runs.empty())
             continue;
         const std::size_t begin = tiles_[t].runs.front().begin;
-        sums_->evolve(spectrum_.data() + begin, tiles_[t].runs.back().end - begin,
-                      moment.phase_time_, moment.height_.data() + begin,
-                      moment.rate_.data() + begin);
+        const std::size_t count = tiles_[t].runs.back().end - begin;
+        sums_->evolve(spectrum_.data() + begin, count, moment.phase_time_,
+                      moment.height_.data() + begin, moment.rate_.data() + begin);
+        if (!grown_.empty())
+            moment.add_growth(begin, count);
     }
     return moment;
+}
+
+void DirectSum::Moment::add_growth(std::size_t begin, std::size_t count) {
+    std::vector<PairBlock> more(count), unused(count);
+    sum_->sums_->evolve(sum_->grown_.data() + begin, count, phase_time_, more.data(),
+                        unused.data());
+    const double per_s = sum_->growth_.per_s;
+    for (std::size_t b = 0; b < count; ++b)
+        for (int i = 0; i < 2; ++i)
+            for (int lane = 0; lane < sum_lanes; ++lane) {
+                rate_[begin + b].even[i].at[lane] += per_s * more[b].even[i].at[lane];
+                rate_[begin + b].odd[i].at[lane] += per_s * more[b].odd[i].at[lane];
+            }
 }
 
 TileWaves DirectSum::Moment::waves(std::size_t tile) const {
@@ -171,6 +196,10 @@ LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
             point.slope_x += sines.slope_x;
             point.slope_y += sines.slope_y;
         }
+        if (const Realization* growth = sum_->growth_.waves.get())
+            for (const SineField& field : growth->cascades[t].sines)
+                point.height_rate +=
+                    sum_->growth_.per_s * sines_at(field, x_m, y_m, phase_time_).height;
     }
     return point;
 }

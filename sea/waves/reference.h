@@ -16,6 +16,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "base/instructions.h"
@@ -32,11 +33,22 @@ struct WaterMotion {
     double pressure_m2ps2 = 0; ///< dynamic pressure over the water's density
 };
 
+/// What a sea whose amplitudes change becomes more of: so much of these waves a second, which turn as its own do.
+struct WaveGrowth {
+    RealizationPtr waves; ///< null: it stands
+    double per_s = 0;
+};
+
 class DirectSum {
   public:
     /// Keeps one of each pair k, -k that carries anything. The instructions, which the machine must have,
     /// change no bit of any result.
-    explicit DirectSum(RealizationPtr sea, Instructions instructions = best_instructions());
+    explicit DirectSum(RealizationPtr sea, Instructions instructions = best_instructions())
+        : DirectSum(std::move(sea), {}, instructions) {}
+    /// With time rates, and velocities, that have what it grows by. But what water is moved further sideways by as it becomes
+    /// shallower, coth(kd), is not in them.
+    DirectSum(RealizationPtr sea, WaveGrowth growth,
+              Instructions instructions = best_instructions());
 
     /// The sea at one instant, ready to be evaluated anywhere. Refers to its DirectSum, which must
     /// outlive it.
@@ -74,6 +86,7 @@ class DirectSum {
         friend class DirectSum;
         bool has(std::size_t tile) const { return (cascades_ >> tile & 1u) != 0; }
         TileWaves waves(std::size_t tile) const;
+        void add_growth(std::size_t begin, std::size_t count); ///< to the rates of these blocks
         /// Adds the waves of one tile.
         void add(std::size_t tile, const TileWaves& waves, double x_m, double y_m,
                  LagrangianPoint& point) const;
@@ -99,7 +112,8 @@ class DirectSum {
     const Realization& sea() const { return *sea_; }
     /// Its own, and its sea's.
     std::size_t bytes() const {
-        return bytes_of(*sea_) +
+        return bytes_of(*sea_) + (growth_.waves ? bytes_of(*growth_.waves) : 0) +
+               grown_.size() * sizeof(PairSpectrum) +
                spectrum_.size() * (sizeof(PairSpectrum) + sizeof(Lanes) + sizeof(Given));
     }
 
@@ -117,13 +131,15 @@ class DirectSum {
         std::uint8_t east;
         std::uint8_t west;
     };
-    void add_cascade(const CascadeModes& cascade);
-    bool add_block(const CascadeModes& cascade, int first, int ny);
+    void add_cascade(const CascadeModes& cascade, const CascadeModes* growth);
+    bool add_block(const CascadeModes& cascade, const CascadeModes* growth, int first, int ny);
 
     RealizationPtr sea_;
+    WaveGrowth growth_;
     const WaveSums* sums_;
     // Of each block; what times ask of waves and what places ask of them lies apart.
     std::vector<PairSpectrum> spectrum_;
+    std::vector<PairSpectrum> grown_; ///< of growth_, or none
     std::vector<Lanes> displacement_over_k_m_;
     std::vector<Given> given_;
     std::vector<Tile> tiles_;

@@ -198,49 +198,51 @@ ExponentialSine exponential_sine(double sharpness) {
 
 namespace {
 
-/// Variances of the harmonics of exp(p (cos q - 1)) = e^-p (I0(p) + 2 sum In(p) cos n q) (DLMF 10.35.2), from the first one
+/// Amplitudes of the harmonics of exp(p (cos q - 1)) = e^-p (I0(p) + 2 sum In(p) cos n q) (DLMF 10.35.2), from the first one
 /// on; In / In-1 by its continued fraction (DLMF 10.33.1).
 std::vector<double> exponential_harmonics(double p) {
     constexpr std::size_t count = 32; // of p = 10 the 32nd has 1e-17 of the slope
     std::array<double, count + 1> ratio{};
     for (std::size_t n = count; n >= 1; --n)
         ratio[n] = 1.0 / (2.0 * static_cast<double>(n) / p + (n < count ? ratio[n + 1] : 0.0));
-    std::vector<double> variances;
+    std::vector<double> amplitudes;
     double scaled = scaled_bessel_i0(p);
     for (std::size_t n = 1; n <= count; ++n) {
         scaled *= ratio[n];
-        variances.push_back(2.0 * scaled * scaled);
+        amplitudes.push_back(2.0 * scaled);
     }
     // Of what is not there nothing is to be summed.
-    while (variances.size() > 1 && variances.back() < 1e-20 * variances.front())
-        variances.pop_back();
-    return variances;
+    while (amplitudes.size() > 1 && amplitudes.back() < 1e-10 * amplitudes.front())
+        amplitudes.pop_back();
+    return amplitudes;
 }
 
 } // namespace
 
 std::vector<SineLine> sine_lines(const SineField& field) {
     std::vector<SineLine> lines;
-    const std::vector<double> variances = field.kind == SineKind::exponential
-                                              ? exponential_harmonics(field.sharpness)
-                                              : std::vector<double>{0.5};
-    const double all = field.share * field.share;
+    const bool sharp = field.kind == SineKind::exponential;
+    const std::vector<double> harmonics =
+        sharp ? exponential_harmonics(field.sharpness) : std::vector<double>{1.0};
     for (const SineField::Wave& wave : field.waves) {
+        const double phase_rad = wave.phase_rad - rad_from_turns(wave.phase_offset_turns) -
+                                 (sharp ? 0.5 * pi : 0.0); // of a cosine
         double n = 0;
-        for (const double variance : variances) {
+        for (const double harmonic : harmonics) {
             ++n;
-            lines.push_back({all * variance * wave.amplitude_m * wave.amplitude_m,
-                             n * wave.kx_radpm, n * wave.ky_radpm, n * wave.omega_radps});
+            lines.push_back(
+                {field.share * harmonic * wave.amplitude_m * std::polar(1.0, n * phase_rad),
+                 n * wave.kx_radpm, n * wave.ky_radpm, n * wave.omega_radps});
         }
     }
     for (const NoiseOctave& octave : field.octaves) {
         const double k = noise_slope_cells * octave.cells / field.length_m;
         const double speed = std::hypot(octave.speed_x_mps, octave.speed_y_mps);
         // The slope along the drift is the rms slope over sqrt(2).
-        lines.push_back({all * octave.variance * octave.amplitude_m * octave.amplitude_m,
+        lines.push_back({field.share * octave.amplitude_m * std::sqrt(2.0 * octave.variance),
                          speed > 0.0 ? k * octave.speed_x_mps / speed : k,
                          speed > 0.0 ? k * octave.speed_y_mps / speed : 0.0,
-                         speed * k / std::numbers::sqrt2});
+                         speed * k / std::numbers::sqrt2, true});
     }
     return lines;
 }

@@ -11,6 +11,7 @@
 // Pure functions; thread-safe.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <vector>
 
@@ -134,13 +135,16 @@ inline void add_plane_wave(const SineField::Wave& wave, double rise_m, double fa
     point.height_rate += wave.omega_radps * fall_m;
 }
 
-/// A wave, a harmonic of a sharp one, or an octave, as statistics see it: its variance at one wavenumber, frequency and
-/// direction.
+/// A wave, a harmonic of a sharp one, or an octave, as statistics see it, at one wavenumber, frequency and direction.
 struct SineLine {
-    double variance_m2;
+    /// Re(amplitude exp(i (k.x - w t))), t the phase time: lines of one k and w add up by it.
+    std::complex<double> amplitude_m;
     double kx_radpm; ///< of an octave: of its rms slope, towards where it drifts
     double ky_radpm;
     double omega_radps;
+    bool octave = false; ///< has a variance and no phase
+
+    double variance_m2() const { return 0.5 * std::norm(amplitude_m); }
 };
 /// Drag moves waves about but hardly changes their height: it is left out.
 std::vector<SineLine> sine_lines(const SineField& field);

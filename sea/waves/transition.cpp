@@ -261,6 +261,12 @@ RealizationPtr SeaTransition::growth(TimeUs time_us, std::uint32_t cascades) con
     return sea;
 }
 
+WaveGrowth SeaTransition::growing_at(TimeUs time_us) const {
+    if (time_us <= start_us_ || time_us >= end_us_)
+        return {};
+    return {growth(time_us), glide_rate(time_us, start_us_, end_us_)};
+}
+
 bool SeaTransition::changes_depth() const {
     const auto depth_m = [](const CascadeModes& modes) { return modes.depth_m; };
     return !std::ranges::equal(fading_->cascades, growing_->cascades, {}, depth_m, depth_m);

@@ -20,6 +20,7 @@
 #include "base/result.h"
 #include "sea/basics/glide.h"
 #include "sea/waves/realization.h"
+#include "sea/waves/reference.h"
 
 namespace seaway::sea {
 
@@ -35,8 +36,8 @@ class SeaTransition {
                                         TimeUs end_us);
 
     /// The sea to be evaluated at this time: `from` before the start, `after()` from the end on. Between
-    /// them it repeats with neither loop. Rates are those of the waves as they stand: the glide itself
-    /// adds at most 1.875 times the change of a height a duration.
+    /// them it repeats with neither loop. Rates are those of the waves as they stand: the glide itself, which growing_at()
+    /// has, adds at most 1.875 times the change of a height a duration.
     RealizationPtr at(TimeUs time_us) const;
 
     /// The same with the frequencies of the new sea at any time: all of the old sea before the start, all of the
@@ -49,7 +50,9 @@ class SeaTransition {
     /// The new sea less the old one, with the depth of gliding() at this time: what its maps, times glide_rate(), add
     /// to the time rates of gliding()'s, which are those of waves that stand.
     RealizationPtr growth(TimeUs time_us, std::uint32_t cascades = all_cascades) const;
-    /// The same for displacements, where the depth glides too: a wave of one height moves water further sideways as it
+    /// growth() and what it counts with, for the exact sum; nothing at times that do not lie within the glide.
+    WaveGrowth growing_at(TimeUs time_us) const;
+    /// growth() for displacements, where the depth glides too: a wave of one height moves water further sideways as it
     /// becomes shallower.
     RealizationPtr displacement_growth(TimeUs time_us, std::uint32_t cascades = all_cascades) const;
     bool changes_depth() const;

@@ -102,7 +102,7 @@ std::vector<ExplicitWave> explicit_waves(const sea::Realization& sea) {
         for (const sea::SineField& field : modes.sines)
             for (const sea::SineLine& line : sine_lines(field))
                 waves.push_back({line.omega_radps, std::atan2(line.ky_radpm, line.kx_radpm),
-                                 std::sqrt(2.0 * line.variance_m2)});
+                                 std::sqrt(2.0 * line.variance_m2())});
     }
     return waves;
 }

@@ -7,6 +7,7 @@
 #include <complex>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,9 @@ struct EnergySums {
     /// `aspect` of the orbits of these waves: 0 where they move nothing sideways.
     void add_gradients(double energy, double k, double aspect) {
         slope += energy * k * k;
+        add_strain(energy, k, aspect);
+    }
+    void add_strain(double energy, double k, double aspect) {
         strain += energy * k * k * aspect * aspect;
     }
 };
@@ -124,8 +128,9 @@ void over_explicit(const SeaState& sea, const F& f) {
             for (NoiseOctave& octave : field.octaves)
                 octave.variance = noise_variance; // expected, whatever the seed
             for (const SineLine& line : sine_lines(field))
-                if (line.variance_m2 > 0.0)
-                    f(line.variance_m2, line.omega_radps, std::hypot(line.kx_radpm, line.ky_radpm),
+                if (line.variance_m2() > 0.0)
+                    f(line.variance_m2(), line.omega_radps,
+                      std::hypot(line.kx_radpm, line.ky_radpm),
                       std::atan2(line.ky_radpm, line.kx_radpm), true);
         }
     }
@@ -274,20 +279,61 @@ class PeakFinder {
     std::array<Bin, bin_count> bins_{};
 };
 
-/// Calls f(energy, kx, ky, omega) for every mode; energy is its variance averaged over time.
+/// Calls f(amplitude, nx, ny, omega) for every mode, whose variance is half of its amplitude's square.
 template <class F>
 void over_modes(const CascadeModes& cascade, const F& f) {
     const int size = cascade.spec.size;
-    const double step = cascade.spec.wavenumber_step_radpm();
     for (int iy = 0; iy < size; ++iy)
         for (int ix = 0; ix < size; ++ix) {
             const auto index = static_cast<std::size_t>(iy * size + ix);
-            const double energy = 2.0 * std::norm(cascade.h0[index]);
-            if (energy > 0.0)
-                f(energy, step * signed_index(ix, size), step * signed_index(iy, size),
+            if (const std::complex<double> h0 = cascade.h0[index]; h0 != 0.0)
+                f(2.0 * h0, signed_index(ix, size), signed_index(iy, size),
                   omega_from_rate(cascade.rate[index]));
         }
 }
+
+/// Stylised waves of one tile, by lattice index and frequency: those that are alike in these add up with their phases.
+class LinesOfTile {
+  public:
+    explicit LinesOfTile(double step_radpm) : step_radpm_(step_radpm) {}
+
+    void add(const SineLine& line) {
+        const auto steps = [&](double k_radpm) {
+            return static_cast<int>(std::lround(k_radpm / step_radpm_));
+        };
+        Line& held = lines_[key(steps(line.kx_radpm), steps(line.ky_radpm), line.omega_radps)];
+        held.amplitude_m += line.amplitude_m;
+        held.omega_radps = line.omega_radps;
+    }
+    /// Takes a mode in; false: no stylised wave is like it.
+    bool take(std::complex<double> amplitude_m, int nx, int ny, double omega_radps) {
+        const auto like = lines_.empty() ? lines_.end() : lines_.find(key(nx, ny, omega_radps));
+        if (like == lines_.end())
+            return false;
+        like->second.amplitude_m += amplitude_m;
+        return true;
+    }
+    /// f(variance, nx, ny, omega).
+    template <class F>
+    void each(const F& f) const {
+        for (const auto& [key, line] : lines_)
+            f(0.5 * std::norm(line.amplitude_m), std::get<0>(key), std::get<1>(key),
+              line.omega_radps);
+    }
+
+  private:
+    /// The last places of a frequency are rounding's.
+    using Key = std::tuple<int, int, float>;
+    static Key key(int nx, int ny, double omega_radps) {
+        return {nx, ny, static_cast<float>(omega_radps)};
+    }
+    struct Line {
+        std::complex<double> amplitude_m;
+        double omega_radps = 0;
+    };
+    double step_radpm_;
+    std::map<Key, Line> lines_;
+};
 
 } // namespace
 
@@ -313,20 +359,32 @@ namespace {
 /// Energy of the realised waves of one cascade, into `sums` and `peak`; gives its variance.
 double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& peak) {
     double variance = 0.0;
-    const auto add = [&](double energy, double kx, double ky, double omega, bool still) {
+    const double step = cascade.spec.wavenumber_step_radpm();
+    const auto add = [&](double energy, double kx, double ky, double omega) {
         const double k = std::hypot(kx, ky);
+        if (!(energy > 0.0 && k > 0.0))
+            return;
         sums.add(energy, omega, {kx / k, ky / k});
-        sums.add_gradients(energy, k, still ? 0.0 : orbit_aspect(k, cascade.depth_m));
+        sums.add_gradients(energy, k, 0.0);
         peak.add(energy, omega);
         variance += energy;
     };
-    over_modes(cascade, [&](double energy, double kx, double ky, double omega) {
-        add(energy, kx, ky, omega, false);
-    });
+    LinesOfTile lines(step);
     for (const SineField& field : cascade.sines)
         for (const SineLine& line : sine_lines(field))
-            if (line.variance_m2 > 0.0)
-                add(line.variance_m2, line.kx_radpm, line.ky_radpm, line.omega_radps, true);
+            if (line.octave)
+                add(line.variance_m2(), line.kx_radpm, line.ky_radpm, line.omega_radps);
+            else
+                lines.add(line);
+    over_modes(cascade, [&](std::complex<double> amplitude_m, int nx, int ny, double omega) {
+        const double energy = 0.5 * std::norm(amplitude_m), k = step * std::hypot(nx, ny);
+        sums.add_strain(energy, k, orbit_aspect(k, cascade.depth_m)); // stylised waves stand still
+        if (!lines.take(amplitude_m, nx, ny, omega))
+            add(energy, step * nx, step * ny, omega);
+    });
+    lines.each([&](double energy, int nx, int ny, double omega) {
+        add(energy, step * nx, step * ny, omega);
+    });
     return variance;
 }
 

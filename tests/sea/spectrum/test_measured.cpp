@@ -220,6 +220,32 @@ TEST(Measured, frequencies_are_those_of_waves) {
     EXPECT_TRUE(parse_measured("f_hz,df_hz,s_m2_hz\n1e-4,1e-5,1\n", "t"));
 }
 
+// 24 directions, as wave models have them, of beams cos^2s(a/2); degrees from sums in double precision elsewhere.
+TEST(Measured, a_table_that_is_read_wider_than_its_rows_says_by_how_much) {
+    struct Beam {
+        double s, rows_deg, read_deg;
+        bool warned;
+    };
+    for (const Beam& beam :
+         {Beam{150, 5.436, 8.173, true}, {75, 9.228, 11.049, true}, {10, 24.431, 25.117, false}}) {
+        std::string csv = "f_hz,dir_from_deg,e_m2_hz_deg\n";
+        for (const char* f_hz : {"0.1", "0.11"})
+            for (int from_deg = 0; from_deg < 360; from_deg += 15)
+                csv += fmt::format(
+                    "{},{},{}\n", f_hz, from_deg,
+                    std::pow(std::abs(std::cos(0.5 * (from_deg - 120) * pi / 180)), 2 * beam.s));
+        const auto table = parse_measured(csv, "t");
+        ASSERT_TRUE(table) << table.error().message;
+        EXPECT_NEAR(table->quality.spread_of_rows_rad * 180 / pi, beam.rows_deg, 0.005);
+        EXPECT_NEAR(table->quality.spread_read_rad * 180 / pi, beam.read_deg, 0.005);
+        const Result<Scene> scene = scene_with(csv, "");
+        ASSERT_TRUE(scene) << scene.error().message;
+        const auto widened = Contains(HasSubstr("has few directions for so narrow a sea"));
+        EXPECT_THAT(testing::warnings_of(*scene),
+                    ::testing::Conditional(beam.warned, widened, ::testing::Not(widened)));
+    }
+}
+
 TEST(Measured, a_table_without_a_header_says_so) {
     EXPECT_THAT(scene_with("0.1,0.01,5\n0.11,0.01,4\n", "from_deg = 0\n").error().message,
                 HasSubstr("data:1: no header"));

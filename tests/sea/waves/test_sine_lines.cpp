@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stylised waves as statistics see them.
+#include <cmath>
+#include <memory>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "sea/basics/constants.h"
+#include "sea/waves/realize.h"
+#include "sea/waves/reference.h"
 #include "sea/waves/sine_waves.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 namespace {
@@ -25,16 +32,69 @@ TEST(Sines, a_sharp_waves_slopes_and_rates_are_those_of_all_its_harmonics) {
         }
         double variance = 0, of_slope = 0, of_rate = 0;
         for (const SineLine& line : sine_lines(field)) {
-            variance += line.variance_m2;
-            of_slope +=
-                line.variance_m2 * (line.kx_radpm * line.kx_radpm + line.ky_radpm * line.ky_radpm);
-            of_rate += line.variance_m2 * line.omega_radps * line.omega_radps;
+            variance += line.variance_m2();
+            of_slope += line.variance_m2() *
+                        (line.kx_radpm * line.kx_radpm + line.ky_radpm * line.ky_radpm);
+            of_rate += line.variance_m2() * line.omega_radps * line.omega_radps;
         }
         // A sum over equal steps of a periodic function is its integral; what is left is rounding.
         EXPECT_NEAR(variance, square, 1e-9 * square) << sharpness;
         EXPECT_NEAR(variance, 1.3 * 1.3 * exponential_sine(sharpness).variance, 1e-9 * variance);
         EXPECT_NEAR(of_slope, slope, 1e-9 * slope) << sharpness;
         EXPECT_NEAR(of_rate, rate, 1e-9 * rate) << sharpness;
+    }
+}
+
+/// Of the heights over a tile, all places alike.
+double variance_of(const Realization& sea, double length_m) {
+    constexpr int n = 256;
+    const DirectSum sum(std::make_shared<const Realization>(sea));
+    const DirectSum::Moment now = sum.at_time(0);
+    double mean = 0, square = 0;
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+            const double height_m = now.at(length_m * x / n, length_m * y / n).height;
+            mean += height_m / (n * n);
+            square += height_m * height_m / (n * n);
+        }
+    return square - mean * mean;
+}
+
+// Naive: of waves that snap to one vector, and turn alike, energies are added. So many places a side hold each of these waves.
+TEST(Sines, waves_of_one_vector_add_up_with_their_phases_in_what_is_realised) {
+    const auto ramps = [](SineKind kind, int count, double wavelength_m) {
+        SineRamps made;
+        made.kind = kind;
+        made.count = count;
+        made.wavelength_m = wavelength_m;
+        made.amplitude_m = 1.0;
+        made.wavenumber_ratio = 1.0;
+        made.direction_spread_rad = 0.0;
+        made.length_m = 256.0;
+        return made;
+    };
+    SineRamps many = ramps(SineKind::sine, 64, 64.0);
+    many.wavenumber_ratio = 1.05;
+    many.direction_spread_rad = 0.5;
+    const std::vector<std::vector<WaveSystem>> seas{
+        {ramps(SineKind::sine, 8, 128.0)},
+        {ramps(SineKind::exponential, 8, 128.0)},
+        {many},
+        {ramps(SineKind::sine, 1, 64.0), ramps(SineKind::sine, 1, 64.0)},
+        {ramps(SineKind::sine, 1, 64.0), ramps(SineKind::exponential, 1, 64.0)},
+        {ramps(SineKind::sine, 1, 64.0), ramps(SineKind::gerstner, 1, 64.0)},
+        {ramps(SineKind::sine, 1, 64.0),
+         ExplicitModes{256.0, {{4, 0, 0.7, 1.0}, {0, 3, 0.2, 0.0}}}}};
+    for (const std::vector<WaveSystem>& systems : seas) {
+        SeaState state;
+        state.seed = 3;
+        state.systems = systems;
+        const Realization sea = *realize(state, std::vector<CascadeSpec>{{256.0, 256}});
+        const SeaSummary summary = summarize(state, sea);
+        const double found = variance_of(sea, 256.0);
+        // Waves of other frequencies have nothing to do with one another on average over time; over a tile likewise.
+        EXPECT_NEAR(std::pow(summary.realised.significant_height_m / 4, 2), found, 1e-6 * found);
+        EXPECT_NEAR(summary.cascades.at(0).realised_m2, found, 1e-6 * found);
     }
 }
 

@@ -208,7 +208,7 @@ TEST(Noise, level_variance_and_slopes_are_what_the_summary_says) {
     EXPECT_NEAR(mean, 0.0, 1e-6);
     double variance = 0.0;
     for (const SineLine& line : sine_lines(field))
-        variance += line.variance_m2;
+        variance += line.variance_m2();
     // Octaves are independent draws: their products over one tile leave a few per cent.
     EXPECT_NEAR(square / variance, 1.0, 0.1);
     const SeaSummary summary = summarize(scene.sea, *sea);
