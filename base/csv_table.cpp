@@ -36,6 +36,11 @@ Result<bool> next_line(std::istream& in, std::string& line) {
     return !line.empty();
 }
 
+std::string_view without_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xef\xbb\xbf";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 std::string_view trimmed(std::string_view text) {
     constexpr std::string_view blank = " \t\r";
     const std::size_t first = text.find_first_not_of(blank);
@@ -69,6 +74,7 @@ Error CsvTable::error(std::size_t row, const std::string& what) const {
 Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::size_t rows_max) {
     CsvTable table;
     table.name = name;
+    text = without_mark(text);
     for (int line = 1; !text.empty(); ++line) {
         const std::size_t end = text.find('\n');
         const std::string_view content = trimmed(text.substr(0, end));

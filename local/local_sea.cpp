@@ -76,7 +76,8 @@ client::SeaStatePtr state_of(const server::RunningSea& sea) {
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         const sea::CascadeModes& modes = sea.realization->cascades[c];
         state->cascades.push_back({modes.spec.length_m, modes.spec.size, modes.longest_radpm(),
-                                   modes.band.k_hi_radpm, sea.budget.cascades[c].interval_us});
+                                   modes.band.k_hi_radpm, !modes.carries_spectra,
+                                   sea.budget.cascades[c].interval_us});
     }
     state->displacement_reach_m = sea.budget.displacement_reach_m;
     state->rms_strain = sea.budget.rms_strain;

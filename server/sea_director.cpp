@@ -208,7 +208,10 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
     const Stopwatch all;
     for (TimeUs from_us = std::max(wish.at_us, clock_.now_us());;) {
         SEAWAY_TRY_LET(sea::Scene scene, wished(wish, from_us));
-        SEAWAY_TRY_LET(RunningSeaPtr to, make_running_sea(scene, 0));
+        sea::Scene made_of =
+            scene; // its certificate is that of the sea which runs, or none: no file is read
+        made_of.accuracy.certificate = {};
+        SEAWAY_TRY_LET(RunningSeaPtr to, make_running_sea(made_of, 0));
         const TimeUs start_us = start_of(wish, *to, all.us());
         SEAWAY_TRY(check_takeovers(start_us));
         const SeaPromise promise{course_->epochs() + 1, start_us, start_us + wish.over_us};

@@ -89,6 +89,8 @@ void WebSocket::shake_hands(const std::string& host, const std::string& path, Do
                 declined.kind = WebSocketEnd::declined;
             return declined;
         }
+        if (error == beast::error::timeout)
+            return Error{"it does not answer"};
         if (error)
             return Error{fmt::format("this is no WebSocket server ({})", error.message())};
         if (impl->response[http::field::sec_websocket_protocol] != impl->options.subprotocol)

@@ -105,19 +105,14 @@ Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wi
     std::vector<std::future<Result<StatusRow>>> rows;
     for (const std::string& url : urls)
         rows.push_back(std::async(std::launch::async, row, std::cref(options), url));
-    bool any = false;
-    Error last{"no server"};
     for (std::size_t i = 0; i < urls.size(); ++i) {
         const std::string& url = urls[i];
         const Result<StatusRow> one = rows[i].get();
-        any = any || one.has_value();
-        if (!one)
-            last = one.error();
+        if (!one && urls.size() == 1)
+            return one.error();
         status.table += one ? one->text : fmt::format("{:<30} {}\n", url, one.error().message);
         status.all_certain = status.all_certain && one && one->certain;
     }
-    if (!any)
-        return last;
     return status;
 }
 

@@ -15,6 +15,7 @@
 #include "protocol/limits.h"
 #include "sea/basics/glide.h"
 #include "sea/basics/pace.h"
+#include "sea/scene/scene.h"
 
 namespace seaway::client {
 namespace {
@@ -75,7 +76,13 @@ Result<protocol::ChangeWish> change_of(const CtlWords& words) {
         read_text_file(words.scene, protocol::limits::change_scene_bytes_max);
     if (!scene)
         return Error{fmt::format("cannot read scene '{}': {}", words.scene, scene.error().message)};
-    wish.scene = *std::move(scene);
+    // Whole, with the tables that its files hold. What cannot be read here is said by the server, which may be a newer one.
+    const Result<sea::Scene> whole = sea::read_scene(words.scene);
+    wish.scene = whole ? sea::to_toml(*whole) : *std::move(scene);
+    if (wish.scene.size() > protocol::limits::change_scene_bytes_max)
+        return Error{fmt::format("scene '{}' has {} bytes with its tables, at most {} are sent",
+                                 words.scene, wish.scene.size(),
+                                 protocol::limits::change_scene_bytes_max)};
     return wish;
 }
 
@@ -253,6 +260,8 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
         return complain("seaway-ctl", exit_usage, next.error().message);
     if (*next == CommandLine::Next::leave)
         return status_after_output("seaway-ctl", exit_done, exit_output);
+    if (const Result<void> fine = check_ca_file(options.url, options.ca_file); !fine)
+        return complain("seaway-ctl", exit_usage, fine.error().message);
     const Result<CtlOptions> whole = whole_options(std::move(options), words, commands);
     if (!whole)
         return complain("seaway-ctl", exit_usage, whole.error().message);

@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "base/messages.h"
 #include "base/text_file.h"
 #include "client/link/failure.h"
@@ -34,9 +36,16 @@ int exit_code(const char* program, const Error& error) {
 
 Error not_connected(const std::string& url, Error why) {
     constexpr std::string_view plain = "ws://";
-    if (failure_of(why) == Failure::cannot_connect && url.starts_with(plain))
-        why.message += "; a server with TLS is at wss://" + url.substr(plain.size());
+    const bool spoke_otherwise = why.message.find("no WebSocket server") != std::string::npos;
+    if (failure_of(why) == Failure::cannot_connect && url.starts_with(plain) && spoke_otherwise)
+        why.message += "; if it speaks TLS it is wss://" + url.substr(plain.size());
     return why;
+}
+
+Result<void> check_ca_file(const std::string& url, const std::string& ca_file) {
+    if (ca_file.empty() || !url.starts_with("ws://"))
+        return {};
+    return Error{fmt::format("--ca-file: {} is no wss, no certificate is looked at", url)};
 }
 
 Result<std::string> read_token(const std::string& path) {

@@ -25,6 +25,8 @@ int exit_code(const char* program, const Error& error);
 Error not_connected(const std::string& url, Error why);
 
 /// Empty path: no token. An error is Failure::bad_argument.
+/// Certificates are looked at with wss alone: who names some for ws is told so.
+Result<void> check_ca_file(const std::string& url, const std::string& ca_file);
 Result<std::string> read_token(const std::string& path);
 
 } // namespace seaway::client

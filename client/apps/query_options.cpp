@@ -8,6 +8,7 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
+#include "client/apps/exit_code.h"
 #include "client/link/url.h"
 #include "protocol/limits.h"
 
@@ -114,6 +115,7 @@ Result<void> check(const QueryOptions& options) {
     if (options.url.empty())
         return Error{"URL is required"};
     SEAWAY_TRY(parse_url(options.url));
+    SEAWAY_TRY(check_ca_file(options.url, options.ca_file));
     const bool places = !options.at.empty() || !options.points_file.empty();
     SEAWAY_TRY(require(options.at.empty() || options.points_file.empty(),
                        "--at and --points exclude each other"));
@@ -131,6 +133,10 @@ Result<void> check(const QueryOptions& options) {
     SEAWAY_TRY(require(options.bench_points == 0 || (options.min_wavelength_m == 0 && !options.z_m),
                        "--bench measures answers of the surface, of all waves: it takes no "
                        "--min-wavelength and no --z"));
+    SEAWAY_TRY(
+        require(options.bench_points == 0 || (options.watch_hz == 0 && !options.time_s),
+                "--bench asks about the present, as often as it can: it takes no --watch and "
+                "no --time"));
     SEAWAY_TRY(require(!options.z_m || !options.local || options.source != Source::tiles,
                        "--z: the water below the surface follows from waves: with --local it "
                        "needs --from spectrum or scene"));
@@ -202,8 +208,10 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
         .takes("HZ")
         .between(watch_hz_min, watch_hz_max);
     options.limits.describe(line);
-    line.option("--bench", options.bench_points,
-                "Measure rates with queries of this many random points instead")
+    line.option(
+            "--bench", options.bench_points,
+            "Measure rates with queries of this many random points instead; a server takes 4096 at "
+            "once")
         .takes("POINTS")
         .between(1, 1000000);
     line.option("--timeout", options.timeout_s, "Patience with each request")

@@ -74,7 +74,8 @@ Result<std::vector<Place>> read_places(std::istream& in, const std::string& name
             break;
         if (trimmed(line).empty())
             continue;
-        const std::vector<std::string_view> fields = split_csv(line);
+        const std::vector<std::string_view> fields =
+            split_csv(number == 1 ? without_mark(line) : line);
         if (places.empty() && is_header(fields))
             continue;
         if (fields.size() != 2 && fields.size() != 3)

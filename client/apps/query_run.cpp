@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -159,6 +160,10 @@ std::optional<Error> for_good(const Client& client, const Error& error, std::str
 
 } // namespace
 
+double next_beat_s(double elapsed_s, double hz) {
+    return (std::floor(elapsed_s * hz) + 1) / hz;
+}
+
 Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out) {
@@ -170,7 +175,7 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
     sea::TimeUs start_us = client->now_us();
     std::string text = output_head(options.format, options.z_m.has_value()), said;
     int seas = client->seas();
-    for (std::int64_t tick = 0;; ++tick) {
+    for (;;) {
         if (std::exchange(seas, client->seas()) != seas) {
             // Times that were given move on by the clock of the wall, whatever sea time this sea begins with.
             start_us = client->now_us() -
@@ -193,10 +198,8 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
         }
         if (!watching)
             return {};
-        // The next beat that is not over yet: a slow answer costs beats, it never piles them up.
         const seconds elapsed = steady_clock::now() - start;
-        tick = std::max(tick, static_cast<std::int64_t>(elapsed.count() * options.watch_hz));
-        const auto beat = start + ticks(seconds(static_cast<double>(tick + 1) / options.watch_hz));
+        const auto beat = start + ticks(seconds(next_beat_s(elapsed.count(), options.watch_hz)));
         sleep_until(rows ? beat : std::min(beat, steady_clock::now() + ask_again), stop);
         if (stop)
             return {};

@@ -22,6 +22,10 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out);
 
+/// When a watch of so many rows a second asks next, of the time since it began: at the first beat that is not over. A slow answer
+/// costs beats, and tries in vain cost none.
+double next_beat_s(double elapsed_s, double hz);
+
 /// Random points on 10 km around the origin, now: queries one after the other, then several at
 /// once, about two seconds each.
 Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,

@@ -280,9 +280,11 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--offscreen", words.size, "draw to files: size of the picture, WIDTHxHEIGHT");
     line.option("--frames", options.frames, "number of frames");
     line.option("--out", options.out,
-                "where frames go: a pattern ending in .png or .exr, or a film, .mp4 or .webm");
+                "where frames go: a pattern ending in .png or .exr, or a film, .mp4 or .webm")
+        .takes("FILE");
     line.option("--path", options.path,
-                "CSV file with the camera over time: t_s,x_m,y_m,z_m,yaw_deg,pitch_deg[,fov_deg]");
+                "CSV file with the camera over time: t_s,x_m,y_m,z_m,yaw_deg,pitch_deg[,fov_deg]")
+        .takes("FILE");
     line.option("--turntable", options.turntable, "go once around what the camera looks at");
     line.option("--camera", words.camera,
                 "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea, or below it");
@@ -298,8 +300,10 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     line.option("--debug", words.debug, "what to show: VIEW[:key=value,...] or all (--list-debug)");
     line.option("--list-debug", words.list, "print the views of --debug and exit");
     line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
-    line.option("--token-file", options.token_file, "file with the server's client token");
-    line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM");
+    line.option("--token-file", options.token_file, "file with the server's client token")
+        .takes("FILE");
+    line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM")
+        .takes("FILE");
     options.limits.describe(line);
     line.option("--timeout", words.timeout_s, "seconds to wait for the server")
         .between(timeout_min_s, timeout_max_s);

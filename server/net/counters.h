@@ -28,12 +28,19 @@ struct Counters {
     std::uint64_t handshakes_failed = 0;    ///< TLS, HTTP or WebSocket bytes that were none
     std::map<unsigned, std::uint64_t> http_responses; ///< by status
     std::uint64_t sessions_opened = 0;
-    std::map<std::string, std::uint64_t, std::less<>> sessions_refused; ///< never opened; by reason
+    /// Never opened; by reason. From 0 on, as all that an alert may look at: the first one is seen as a rise.
+    std::map<std::string, std::uint64_t, std::less<>> sessions_refused{
+        {"address_full", 0}, {"bad_request", 0}, {"bad_upgrade", 0}, {"gave_way", 0},
+        {"host", 0},         {"origin", 0},      {"server_full", 0}, {"shutting_down", 0},
+        {"subprotocol", 0},  {"unauthorised", 0}};
     std::map<std::string, std::uint64_t, std::less<>> tokens_refused{
         {"in_the_clear", 0}, {"too_many_wrong", 0}, {"wrong", 0}};
     std::uint64_t reads_delayed = 0; ///< an address had sent too many bytes
-    std::map<std::string, std::uint64_t, std::less<>> sessions_closed;  ///< by reason
-    std::map<std::string, std::uint64_t, std::less<>> requests_refused; ///< by error code
+    std::map<std::string, std::uint64_t, std::less<>> sessions_closed; ///< by reason
+    std::map<std::string, std::uint64_t, std::less<>> requests_refused{
+        ///< by error code
+        {"bad_value", 0},       {"internal", 0},          {"not_offered", 0}, {"too_large", 0},
+        {"too_many_points", 0}, {"too_many_requests", 0}, {"unauthorised", 0}};
     std::uint64_t messages_received = 0;
     std::uint64_t bytes_received = 0;
     std::uint64_t messages_sent = 0;

@@ -78,6 +78,11 @@ Page stopping_page(const Core& core) {
             .retry_after_s = static_cast<int>(retry_after.count())};
 }
 
+bool is_health(std::string_view path) {
+    return std::ranges::any_of(
+        routes, [path](const Route& known) { return known.is_health && known.path == path; });
+}
+
 std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged) {
     if (judged.barred == Barred::too_many_wrong)
         return Page{.status = 429,
@@ -85,11 +90,10 @@ std::optional<Page> keep_out(const Core& core, std::string_view path, const Judg
                     .retry_after_s = static_cast<int>(judged.retry_after.count())};
     if (judged.barred == Barred::in_the_clear)
         return Page{.status = 403, .body = judged.why + "\n"};
-    constexpr std::array open_paths{std::string_view("/healthz"), std::string_view("/readyz"),
-                                    protocol::stream_path,        std::string_view("/"),
-                                    status_script_path,           status_style_path};
+    constexpr std::array open_paths{protocol::stream_path, std::string_view("/"),
+                                    status_script_path, status_style_path};
     const bool needs_none =
-        is_open(core) || std::ranges::find(open_paths, path) != open_paths.end();
+        is_open(core) || is_health(path) || std::ranges::find(open_paths, path) != open_paths.end();
     if (judged.barred == Barred::wrong || (judged.standing == Standing::stranger && !needs_none))
         return Page{
             .status = 401,

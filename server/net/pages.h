@@ -32,6 +32,9 @@ struct Page {
 /// address's share, unless that was changed.
 inline constexpr double page_price_bytes = 32 * 1024;
 
+/// /healthz and /readyz are not for those who have a token: none is looked at.
+bool is_health(std::string_view path);
+
 /// With a client token, everything but /healthz, /readyz, the shell of the status page and the stream, whose
 /// Hello may bring it, is for those who bring that one, or the administrator's, as "Authorization: Bearer
 /// TOKEN". A token that is brought has to be right, also where none is needed. Empty: come in; else why not.

@@ -104,7 +104,7 @@ void Session::on_hello(const wire::Hello& hello) {
     if (judged.barred)
         return close(judged.barred == Barred::too_many_wrong ? ErrorCode::too_many_requests
                                                              : ErrorCode::unauthorised,
-                     judged.why);
+                     judged.why, judged.retry_after);
     if (!token.empty())
         standing_ = judged.standing;
     if (standing_ == Standing::stranger && !is_open(core_))
@@ -362,15 +362,16 @@ bool Session::is_owed() const {
            outbox_.fetches_waiting() > 0 || outbox_.reply_bytes_waiting() > 0;
 }
 
-void Session::close(ErrorCode code, const std::string& why) {
+void Session::close(ErrorCode code, const std::string& why, std::chrono::milliseconds stays_away) {
     if (closing_ || ended_)
         return;
     closing_ = true;
     or_drop([&] {
         end(protocol::name(code), why);
-        const auto stays_away_ms = code == ErrorCode::shutting_down ? core_.retry_after.count() : 0;
-        link_.close(std::make_shared<const protocol::Bytes>(
-                        protocol::go_away(code, why, static_cast<std::uint32_t>(stays_away_ms))),
+        if (code == ErrorCode::shutting_down)
+            stays_away = core_.retry_after;
+        link_.close(std::make_shared<const protocol::Bytes>(protocol::go_away(
+                        code, why, static_cast<std::uint32_t>(stays_away.count()))),
                     code, why);
     });
 }

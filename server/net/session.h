@@ -72,7 +72,12 @@ class Session {
     /// Something that it asked for is not answered, or not sent.
     bool is_owed() const;
     /// Ends the session with GoAway.
-    void close(wire::ErrorCode code, const std::string& why);
+    void close(wire::ErrorCode code, const std::string& why,
+               std::chrono::milliseconds stays_away = {});
+    /// Has those of later seas made for which there was no room, once it is worth another try.
+    void make_owed_spectra();
+    /// Waves go on coming by and by, whether it says something or not.
+    bool awaits_waves() const { return outbox_.paces_spectra() || spectra_owed_.has_value(); }
     /// Ends it as too slow, so that what it holds is let go of: where it does not take what it is being sent, without
     /// a word, for which it would have to take that first.
     void give_up(const std::string& why);
@@ -123,8 +128,6 @@ class Session {
     Room::Place reply_place(std::size_t bytes) const;
     /// Has the spectra made that this session wants; what comes of it answers the request, where there is one.
     void make_spectra(std::optional<std::uint32_t> request_id);
-    /// Those of later seas for which there was no room, once it is worth another try.
-    void make_owed_spectra();
     void spectra_made(std::optional<std::uint32_t> request_id,
                       const Result<GrantedSpectrum>& granted);
     /// Does it, or ends the session where there is no memory for it.

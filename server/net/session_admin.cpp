@@ -35,8 +35,15 @@ Result<SeaWish> wish_of(const wire::Change& change, int in_flight) {
     SeaWish wish;
     wish.over_us = change.over_us();
     wish.at_us = change.at_us();
-    if (const flatbuffers::Optional<std::uint32_t> pace = change.pace_permille())
+    if (const flatbuffers::Optional<std::uint32_t> pace = change.pace_permille()) {
         wish.pace_permille = static_cast<int>(*pace);
+        if (wish.over_us != 0 || wish.at_us != 0)
+            return Error{
+                Refusal::bad_value,
+                fmt::format("a pace holds from a second on, and at once: over_us is {} and "
+                            "at_us {}, allowed is 0",
+                            wish.over_us, wish.at_us)};
+    }
     if (change.scene() != nullptr)
         wish.scene = change.scene()->str();
     if (change.set() != nullptr)

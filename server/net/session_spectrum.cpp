@@ -74,8 +74,9 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
             spectrum_wish_.reset();
             refuse(*request_id, granted.error());
         } else if (granted.error().is(Refusal::busy)) {
-            // It has a right to them. As what is sent by and by, they come behind something that it says.
+            // It has a right to them.
             spectra_owed_ = std::chrono::steady_clock::now() + spectra_again_after;
+            link_.send_more(); // sees that something is owed
         }
         return;
     }

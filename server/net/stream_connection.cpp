@@ -32,6 +32,8 @@ constexpr std::size_t gathered_bytes = 256 * 1024;
 constexpr std::size_t gathered_messages_max = 32;
 /// For GoAway and the peer's answer to it. Who has answered may take http_deadline to go (ServedWebSocket::leave).
 constexpr std::chrono::milliseconds close_deadline{1000};
+/// Between two looks at what comes by and by.
+constexpr std::chrono::milliseconds waves_pause{1000};
 
 sockets::WebSocketOptions web_socket_options(const std::shared_ptr<Core>& core,
                                              const AddressPtr& address) {
@@ -61,7 +63,8 @@ class StreamConnection final : public Link,
         : slot_(std::move(slot)), upgrade_(slot_.core()), without_hello_(peer.address),
           ws_(std::move(socket), web_socket_options(slot_.core(), peer.address)),
           peer_(std::move(peer)), standing_(standing), hello_timer_(ws_.socket().get_executor()),
-          write_timer_(ws_.socket().get_executor()), close_timer_(ws_.socket().get_executor()) {}
+          write_timer_(ws_.socket().get_executor()), close_timer_(ws_.socket().get_executor()),
+          waves_timer_(ws_.socket().get_executor()) {}
 
     void run(const sockets::Upgrade& upgrade) {
         if (standing_ == Standing::stranger)
@@ -176,6 +179,27 @@ class StreamConnection final : public Link,
             go_on();
         else if (closing_)
             shake_hands();
+        else
+            await_waves();
+    }
+    /// What comes by and by comes to who says nothing, too.
+    void await_waves() {
+        if (awaits_waves_ || lost_ || !session_->awaits_waves())
+            return;
+        awaits_waves_ = true;
+        waves_timer_.expires_after(waves_pause);
+        waves_timer_.async_wait([weak = weak_from_this()](error_code error) {
+            const std::shared_ptr<StreamConnection> self = weak.lock();
+            if (self == nullptr || error)
+                return;
+            self->awaits_waves_ = false;
+            self->or_drop([&] {
+                if (self->lost_ || self->closing_)
+                    return;
+                self->session_->make_owed_spectra();
+                self->send_more();
+            });
+        });
     }
     /// The reader is slower than we are: the rest as it takes it, write_timeout for each piece.
     void finish() {
@@ -348,6 +372,7 @@ class StreamConnection final : public Link,
         hello_timer_.cancel();
         write_timer_.cancel();
         close_timer_.cancel();
+        waves_timer_.cancel();
     }
 
     void shake_hands() {
@@ -369,6 +394,8 @@ class StreamConnection final : public Link,
     asio::steady_timer hello_timer_;
     asio::steady_timer write_timer_;
     asio::steady_timer close_timer_;
+    asio::steady_timer waves_timer_;
+    bool awaits_waves_ = false;
     std::optional<Session> session_;
     std::vector<SharedBytes> writing_;
     std::vector<std::span<const std::uint8_t>> spans_; ///< of those

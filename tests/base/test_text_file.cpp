@@ -79,6 +79,12 @@ TEST(CsvTable, a_first_line_of_numbers_is_a_missing_header) {
     EXPECT_TRUE(parse_csv("a,2\n4,5\n", "t", 10)); // an odd title, but a title
 }
 
+TEST(CsvTable, may_begin_with_the_mark_of_utf_8) {
+    const auto table = parse_csv("\xef\xbb\xbf# a note\na,b\n1,2\n", "t", 10);
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_EQ(table->columns.front(), "a");
+}
+
 TEST(CsvTable, holds_as_many_rows_as_it_may_and_not_one_more) {
     const std::string text = "a,b\n1,2\n# a note is no row\n\n3,4\n5,6\n";
     EXPECT_EQ(parse_csv(text, "t", 3)->rows.size(), 3u);

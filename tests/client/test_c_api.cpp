@@ -213,16 +213,6 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
         const std::string said = seaway_last_error();
         EXPECT_EQ(said.find(names) != std::string::npos, !fine) << said;
     };
-    for (const auto& [bytes, fine] : {std::pair(1024, true), {1025, false}})
-        for (const bool token : {false, true}) {
-            const std::string text(static_cast<std::size_t>(bytes), 'x');
-            seaway_connect_options options{};
-            (token ? options.token : options.name) = text.c_str();
-            seaway_client* other = nullptr;
-            expect(seaway_connect(url.c_str(), &options, &other), fine,
-                   "name and token have 1024 bytes at most");
-            seaway_disconnect(other);
-        }
     for (const auto& [timeout_s, fine] :
          {std::pair(86400.0, true), {86400.5, false}, {-0.5, false}, {std::nan(""), false}}) {
         expect(seaway_query(sea.handle(), &point, 1, 0, timeout_s, &answer), fine,
@@ -291,6 +281,34 @@ double metric(int port, const std::string& name) {
 // the default's two only, most would.
 // 0 stands for ten seconds: a server that takes a look or two at the deadlines is no failure. It is late for
 // pings too, of which ten come a second.
+TEST_F(CInterface, a_name_and_a_token_are_as_long_as_a_server_takes) {
+    for (const std::size_t bytes : {1024u, 1025u})
+        for (const bool token : {false, true}) {
+            const std::string text(bytes, 'x');
+            seaway_connect_options options{};
+            (token ? options.token : options.name) = text.c_str();
+            seaway_client* client = nullptr;
+            EXPECT_EQ(seaway_connect(url.c_str(), &options, &client),
+                      bytes == 1024 ? SEAWAY_OK : SEAWAY_BAD_ARGUMENT);
+            if (bytes > 1024) {
+                EXPECT_NE(std::string(seaway_last_error()).find("have 1024 bytes at most"),
+                          std::string::npos);
+            }
+            seaway_disconnect(client);
+        }
+}
+
+// Naive: of what is filled in the size need not be sensible.
+TEST_F(CInterface, a_struct_to_fill_in_whose_size_was_not_set_is_refused) {
+    Sea sea(url);
+    seaway_state state{};
+    for (const uint32_t size : {3u, 4097u, 0xffffffffu}) {
+        state.size = size;
+        EXPECT_EQ(seaway_get_state(sea.handle(), &state), SEAWAY_BAD_ARGUMENT) << size;
+        EXPECT_NE(std::string(seaway_last_error()).find("sizeof"), std::string::npos);
+    }
+}
+
 TEST_F(CInterface, a_timeout_of_zero_is_the_default_for_every_question) {
     seaway_client* client = nullptr;
     ASSERT_EQ(seaway_connect(url.c_str(), nullptr, &client), SEAWAY_OK);

@@ -103,6 +103,19 @@ struct Told {
         const std::scoped_lock lock(mutex);
         return all.size();
     }
+    static void take(void* told, const seaway_status* status) {
+        auto* to = static_cast<Told*>(told);
+        const std::scoped_lock lock(to->mutex);
+        to->all.push_back(*status);
+    }
+    bool of(uint32_t state) {
+        const std::scoped_lock lock(mutex);
+        return !all.empty() && all.back().state == state;
+    }
+    bool of_no_silence() {
+        const std::scoped_lock lock(mutex);
+        return all.back().stale_s == 0;
+    }
     /// The first of each stretch of calls that say the same state.
     std::vector<seaway_status> states() {
         const std::scoped_lock lock(mutex);
@@ -118,12 +131,7 @@ TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
     seaway_client* client = nullptr;
     ASSERT_EQ(seaway_connect(url.c_str(), nullptr, &client), SEAWAY_OK) << seaway_last_error();
     Told told;
-    const auto watch = [](void* user, const seaway_status* status) {
-        auto* to = static_cast<Told*>(user);
-        const std::scoped_lock lock(to->mutex);
-        to->all.push_back(*status);
-    };
-    ASSERT_EQ(seaway_watch_status(client, watch, &told), SEAWAY_OK);
+    ASSERT_EQ(seaway_watch_status(client, Told::take, &told), SEAWAY_OK);
     ASSERT_EQ(seaway_subscribe(client, nullptr), SEAWAY_OK) << seaway_last_error();
     // Naive: told of what the connection does alone.
     ASSERT_TRUE(eventually([&] { return told.calls() == 1; }));
@@ -135,16 +143,10 @@ TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
     EXPECT_EQ(status.holds, static_cast<uint32_t>(SEAWAY_HOLDS_TILES));
     EXPECT_LT(status.held_from_us, status.held_until_us);
     EXPECT_STREQ(status.reason, "");
-    const auto told_of = [&](uint32_t state) {
-        return eventually([&] {
-            const std::scoped_lock lock(told.mutex);
-            return !told.all.empty() && told.all.back().state == state;
-        });
-    };
     // On a line that lets nobody back it stays as it is, however long this thread waits for its turn.
     line->stall(true);
     line->cut();
-    ASSERT_TRUE(told_of(SEAWAY_CONNECTING));
+    ASSERT_TRUE(eventually([&] { return told.of(SEAWAY_CONNECTING); }));
     EXPECT_EQ(seaway_is_connected(client), 0);
     status.size = sizeof(status);
     ASSERT_EQ(seaway_get_status(client, &status), SEAWAY_OK);
@@ -155,7 +157,7 @@ TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
     EXPECT_EQ(seaway_sample(client, &point, 1, &answer), SEAWAY_OK) << seaway_last_error();
     EXPECT_EQ(answer.flags, static_cast<uint32_t>(SEAWAY_STALE));
     line->stall(false);
-    ASSERT_TRUE(told_of(SEAWAY_CONNECTED));
+    ASSERT_TRUE(eventually([&] { return told.of(SEAWAY_CONNECTED); }));
     ASSERT_EQ(seaway_get_status(client, &status), SEAWAY_OK);
     EXPECT_EQ(status.connections, 2u);
     const std::vector<seaway_status> states = told.states();
@@ -168,10 +170,7 @@ TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
     EXPECT_GT(lost.stale_s, 0);
     EXPECT_EQ(states[2].state, static_cast<uint32_t>(SEAWAY_CONNECTING));
     EXPECT_EQ(states[2].attempts, 1u);
-    EXPECT_TRUE(eventually([&] {
-        const std::scoped_lock lock(told.mutex);
-        return told.all.back().stale_s == 0;
-    }));
+    EXPECT_TRUE(eventually([&] { return told.of_no_silence(); }));
     ASSERT_EQ(seaway_watch_status(client, nullptr, nullptr), SEAWAY_OK);
     const std::size_t calls = told.calls();
     line->cut();

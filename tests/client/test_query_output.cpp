@@ -13,6 +13,7 @@
 
 #include "client/apps/query_options.h"
 #include "client/apps/query_output.h"
+#include "client/apps/query_run.h"
 #include "tests/client/query_options_of.h"
 
 namespace seaway::client {
@@ -189,6 +190,15 @@ TEST(QueryOutput, every_column_of_a_measurement_holds_what_it_is_called_by) {
     }
 }
 
+// Naive: beats are counted, and each try in vain, ten a second, counts as one: after an outage of a minute nothing is asked for many.
+TEST(QueryRun, a_watch_goes_on_with_the_next_beat_however_often_it_has_tried) {
+    EXPECT_EQ(next_beat_s(0.0, 2), 0.5);
+    EXPECT_EQ(next_beat_s(0.49, 2), 0.5);
+    EXPECT_EQ(next_beat_s(0.5, 2), 1.0);
+    EXPECT_EQ(next_beat_s(61.3, 1), 62.0);
+    EXPECT_EQ(next_beat_s(61.3, 0.1), 70.0);
+}
+
 TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
     const auto taken = [](std::vector<const char*> words) {
         const auto read = query_options_of(std::move(words));
@@ -209,7 +219,7 @@ TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {
     EXPECT_EQ(plain.timeout_s, 10);
     EXPECT_EQ(plain.token_file + plain.ca_file, "");
     const QueryOptions all =
-        taken({"ws://a:1", "--at", "1,-2", "3,4", "--time", "5.5", "--local", "--format", "json",
+        taken({"wss://a:1", "--at", "1,-2", "3,4", "--time", "5.5", "--local", "--format", "json",
                "--watch", "0.25", "--min-wavelength", "12.5", "--timeout", "7.5", "--token-file",
                "t", "--ca-file", "c"});
     ASSERT_EQ(all.at.size(), 2u);
@@ -277,6 +287,18 @@ TEST(QueryPoints, a_line_is_counted_though_it_is_blank_or_the_header) {
     const auto places = read_places(in, "points.csv");
     ASSERT_FALSE(places);
     EXPECT_EQ(places.error().message.find("points.csv:6: "), 0u) << places.error().message;
+}
+
+// Naive: three bytes that nobody sees, of a spreadsheet's "CSV UTF-8", stand before the first title.
+TEST(QueryPoints, a_file_may_begin_with_the_mark_of_utf_8) {
+    for (const char* text : {"\xef\xbb\xbfx_m,y_m\n1,2\n", "\xef\xbb\xbf"
+                                                           "1,2\n"}) {
+        std::istringstream in(text);
+        const auto places = read_places(in, "p.csv");
+        ASSERT_TRUE(places) << places.error().message;
+        ASSERT_EQ(places->size(), 1u);
+        EXPECT_EQ(places->front().x_m, 1);
+    }
 }
 
 // Naive: a line goes on for as long as its file does, in memory.

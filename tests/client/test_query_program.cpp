@@ -90,6 +90,9 @@ TEST(Options, that_make_no_sense_are_exit_code_2) {
         {"ws://a:1", "--at", "1,2", "--points", "x.csv"},
         {"ws://a:1", "--at", "1,2", "--bench", "5"},
         {"ws://a:1", "--bench", "0"},
+        {"ws://a:1", "--at", "1,2", "--ca-file", "c.pem"}, // no certificate would be looked at
+        {"ws://a:1", "--bench", "10", "--watch", "3"},
+        {"ws://a:1", "--bench", "10", "--time", "5"},
         {"ws://a:1", "--at", "1,2", "--watch", "-1"},
         {"ws://a:1", "--at", "1,2", "--watch", "0"},
         {"ws://a:1", "--at", "1,2", "--watch", "nan"},

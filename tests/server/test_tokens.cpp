@@ -59,7 +59,7 @@ TEST(Start, who_asks_a_server_with_tls_without_it_is_told_of_wss) {
     ASSERT_EQ(url.substr(0, 6), "wss://") << server.log();
     const changes::Said said = changes::ctl("ws://" + url.substr(6), {"state"}, "");
     EXPECT_EQ(said.code, 5);
-    EXPECT_NE(said.words.find("a server with TLS is at " + url), std::string::npos) << said.words;
+    EXPECT_NE(said.words.find("if it speaks TLS it is " + url), std::string::npos) << said.words;
 }
 
 } // namespace

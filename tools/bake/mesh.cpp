@@ -2,6 +2,7 @@
 #include "tools/bake/mesh.h"
 
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -120,15 +122,18 @@ std::string ply_bytes(const Mesh& mesh) {
 
 Result<void> write_whole(const std::string& path, const std::string& bytes) {
     const std::string unfinished = path + ".part";
+    errno = 0;
     std::ofstream file(unfinished, std::ios::binary);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();
     std::error_code error;
-    if (file)
+    if (!file)
+        error = {errno != 0 ? errno : EIO, std::generic_category()};
+    else
         std::filesystem::rename(unfinished, path, error);
-    if (!file || error) {
+    if (error) {
         std::remove(unfinished.c_str());
-        return Error{fmt::format("{}: {}", path, error ? error.message() : "cannot be written")};
+        return Error{fmt::format("{}: {}", path, error.message())};
     }
     return {};
 }

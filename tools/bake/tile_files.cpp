@@ -29,10 +29,12 @@ std::vector<ExrAttribute> sea_attributes(const sea::Scene& scene, const sea::Rea
                                          const BakeOptions& options) {
     const sea::SeaSummary summary = sea::summarize(scene.sea, sea);
     const sea::SeaStatistics& s = summary.realised;
+    sea::Scene alone = scene; // whoever reads it has no other file
+    alone.accuracy.certificate = {};
     return {
         {"software", std::string("seaway-bake " SEAWAY_VERSION)},
         {"seaway.scene", scene.source},
-        {"seaway.scene_toml", sea::to_toml(scene)},
+        {"seaway.scene_toml", sea::to_toml(alone)},
         {"seaway.rows", std::string(options.north_up ? "north to south" : "south to north")},
         {"seaway.hs_m", s.significant_height_m},
         {"seaway.tp_s", s.peak_period_s},

@@ -74,7 +74,7 @@ Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::st
             break;
         if (trimmed(line).empty())
             continue;
-        const auto fields = split(line);
+        const auto fields = split(number == 1 ? without_mark(line) : line);
         if (!fields)
             return Error{fmt::format("{}:{}: not three fields x_m,y_m,t_s", name, number)};
         if (points.empty() && *fields == columns)

@@ -111,10 +111,13 @@ void CascadeWaves::add(const Wave& wave, Missed (&missed)[3]) {
     const auto count = [&](Motion& motion, Missed& by_grid, double factor, double (*law)(double)) {
         const double variance = wave.variance_m2 * square(factor);
         const double amplitude = std::sqrt(2.0 * variance);
+        const double missed_east = law(qx), missed_north = law(qy);
         motion.by_frequency[bin].add(variance, amplitude, wave.given);
+        motion.missed_by_frequency[bin].east_m2 += variance * missed_east;
+        motion.missed_by_frequency[bin].north_m2 += variance * missed_north;
         motion.whole.add(variance, amplitude, wave.given);
         motion.gradient.add(variance * square(k), amplitude * k, wave.given);
-        by_grid.add(variance, amplitude, law(qx), law(qy), wave.given);
+        by_grid.add(variance, amplitude, missed_east, missed_north, wave.given);
     };
     count(height_, missed[0], 1.0, spline_error);
     count(displacement_, missed[1], wave.aspect, spline_error);
@@ -163,26 +166,71 @@ bool CascadeWaves::told_by(TimeUs interval_us) const {
 
 double CascadeWaves::time_rms(const Motion& motion, TimeUs interval_us) const {
     WaveSum missed;
-    for (int bin = 0; bin < Motion::bins; ++bin) {
-        const double omega = omega_max_radps_ * (bin + 1) / Motion::bins;
+    for (int bin = 0; bin < Motion::bins; ++bin)
         missed.add(motion.by_frequency[static_cast<std::size_t>(bin)],
-                   hermite_error(omega * seconds_from_us(interval_us)));
-    }
+                   missed_in_time(bin, interval_us));
     return std::sqrt(missed.variance_m2(loss_sigmas));
+}
+
+double CascadeWaves::missed_in_time(int bin, TimeUs interval_us) const {
+    return hermite_error(omega_max_radps_ * (bin + 1) / Motion::bins *
+                         seconds_from_us(interval_us));
+}
+
+Motion::Missed CascadeWaves::in_common(const Motion& motion, TimeUs interval_us) const {
+    Motion::Missed common;
+    for (int bin = 0; bin < Motion::bins; ++bin) {
+        const Motion::Missed& missed = motion.missed_by_frequency[static_cast<std::size_t>(bin)];
+        const double in_time = missed_in_time(bin, interval_us);
+        common.east_m2 += in_time * missed.east_m2;
+        common.north_m2 += in_time * missed.north_m2;
+    }
+    return common;
+}
+
+double CascadeWaves::with_sines_m(double height_m, TimeUs interval_us) const {
+    for (const SineError& sine : sines_)
+        height_m = std::hypot(height_m, as_rms(sine.time_m(interval_us)));
+    return height_m;
 }
 
 CascadeLoss CascadeWaves::loss(TimeUs interval_us) const {
     const auto of = [&](const Motion& motion) {
+        const Motion::Missed common = in_common(motion, interval_us);
         MapLoss loss;
-        loss.time_m = time_rms(motion, interval_us);
-        loss.east_m = std::sqrt(motion.east_m2);
-        loss.north_m = std::sqrt(motion.north_m2);
+        loss.time_m =
+            std::sqrt(square(time_rms(motion, interval_us)) + common.east_m2 + common.north_m2);
+        loss.east_m = std::sqrt(motion.east_m2 + common.east_m2);
+        loss.north_m = std::sqrt(motion.north_m2 + common.north_m2);
         return loss;
     };
     CascadeLoss loss{of(height_), of(displacement_)};
-    for (const SineError& sine : sines_)
-        loss.height.time_m = std::hypot(loss.height.time_m, as_rms(sine.time_m(interval_us)));
+    loss.height.time_m = with_sines_m(loss.height.time_m, interval_us);
     return loss;
+}
+
+/// 2 t x <= c x^2 + t^2 / c for any c: the one by which x counts already.
+double CascadeWaves::slow_rms(const Motion& motion, TimeUs interval_us, TimeUs slow_us) const {
+    const Motion::Missed own = in_common(motion, interval_us), slow = in_common(motion, slow_us);
+    const auto share_m2 = [](double own_m2, double slow_m2) {
+        return own_m2 > 0 ? slow_m2 * slow_m2 / own_m2 : 0.0;
+    };
+    return std::sqrt(square(time_rms(motion, slow_us)) + share_m2(own.east_m2, slow.east_m2) +
+                     share_m2(own.north_m2, slow.north_m2));
+}
+
+CascadeWaves::SlowLoss CascadeWaves::slow_loss(TimeUs interval_us, TimeUs slow_us) const {
+    return {with_sines_m(slow_rms(height_, interval_us, slow_us), slow_us),
+            slow_rms(displacement_, interval_us, slow_us)};
+}
+
+double CascadeWaves::time_costs_m2(TimeUs interval_us, double sideways_weight) const {
+    const CascadeLoss all = loss(interval_us);
+    const auto beside_space = [](const MapLoss& loss, const Motion& motion) {
+        return loss.interpolation_variance_m2() - motion.east_m2 - motion.north_m2;
+    };
+    return beside_space(all.height, height_) +
+           square(sideways_weight) * beside_space(all.displacement, displacement_);
 }
 
 double CascadeWaves::time_strain_rms(TimeUs interval_us) const {
@@ -190,7 +238,9 @@ double CascadeWaves::time_strain_rms(TimeUs interval_us) const {
 }
 
 double CascadeWaves::strain_rms(TimeUs interval_us) const {
-    return std::sqrt(square(time_strain_rms(interval_us)) + strain_.east_m2 + strain_.north_m2);
+    const Motion::Missed common = in_common(strain_, interval_us);
+    return std::sqrt(square(time_strain_rms(interval_us)) + strain_.east_m2 + strain_.north_m2 +
+                     2.0 * (common.east_m2 + common.north_m2));
 }
 
 } // namespace seaway::sea

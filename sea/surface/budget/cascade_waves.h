@@ -44,6 +44,12 @@ struct WaveSum {
 struct Motion {
     static constexpr int bins = 512;
     std::array<WaveSum, bins> by_frequency{};
+    /// Variance times what the grid misses of it along each axis, as a share of the amplitude, by frequency.
+    struct Missed {
+        double east_m2 = 0;
+        double north_m2 = 0;
+    };
+    std::array<Missed, bins> missed_by_frequency{};
     WaveSum whole;
     WaveSum gradient;   ///< the slope
     double east_m2 = 0; ///< missed in the middle of a cell, as variances of bound_sigmas
@@ -63,8 +69,17 @@ class CascadeWaves {
   public:
     explicit CascadeWaves(const CascadeModes& modes);
 
-    /// Losses of this interval; nothing is coded.
+    /// Losses of this interval; nothing is coded. A spline and Hermite's cubic both make a wave smaller, so that what they miss of one
+    /// wave adds up: of (t + x)^2 the halves of 2 t x stand with what each misses alone.
     CascadeLoss loss(TimeUs interval_us) const;
+    /// The same where maps come so much further apart than their sea says: with the losses in space of loss(interval_us).
+    struct SlowLoss {
+        double height_m = 0; ///< MapLoss::time_m
+        double displacement_m = 0;
+    };
+    SlowLoss slow_loss(TimeUs interval_us, TimeUs slow_us) const;
+    /// What of the variance of a height comes of the interval, a displacement counted with `sideways_weight`.
+    double time_costs_m2(TimeUs interval_us, double sideways_weight) const;
     double time_strain_rms(TimeUs interval_us) const; ///< missed of grad D between keyframes
     double strain_rms(TimeUs interval_us) const;      ///< and between grid points
     /// Keyframes so far apart that a wave turns more than once between two of them say nothing of it.
@@ -101,6 +116,11 @@ class CascadeWaves {
     struct Wave;
     void add(const Wave& wave, Missed (&missed)[3]);
     double time_rms(const Motion& motion, TimeUs interval_us) const;
+    /// Of what is missed in time and in space the mean product.
+    Motion::Missed in_common(const Motion& motion, TimeUs interval_us) const;
+    double missed_in_time(int bin, TimeUs interval_us) const;
+    double slow_rms(const Motion& motion, TimeUs interval_us, TimeUs slow_us) const;
+    double with_sines_m(double height_m, TimeUs interval_us) const;
 
     int size_;
     int compact_size_;

@@ -82,9 +82,9 @@ void note_coarser(CascadeBudget& cascade, const CascadeWaves& waves) {
         const TimeUs interval_us = every * cascade.interval_us;
         if (every > 1 && !waves.told_by(interval_us))
             break;
-        const CascadeLoss loss = waves.loss(interval_us);
-        cascade.slow[static_cast<std::size_t>(every - 1)] = {
-            loss.height.time_m, loss.displacement.time_m, waves.time_strain_rms(interval_us)};
+        const CascadeWaves::SlowLoss slow = waves.slow_loss(cascade.interval_us, interval_us);
+        cascade.slow[static_cast<std::size_t>(every - 1)] = {slow.height_m, slow.displacement_m,
+                                                             waves.time_strain_rms(interval_us)};
         cascade.every_max = every;
     }
 }
@@ -148,10 +148,8 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m,
     const double weight = sideways_weight(budget);
     const double all_m2 = left_to_spend(budget, cascades);
     double codec_m2 = all_m2;
-    for (std::size_t c = 0; c < cascades.size(); ++c) {
-        const CascadeLoss loss = cascades[c].loss(intervals_us[c]);
-        codec_m2 -= square(loss.height.time_m) + square(weight * loss.displacement.time_m);
-    }
+    for (std::size_t c = 0; c < cascades.size(); ++c)
+        codec_m2 -= cascades[c].time_costs_m2(intervals_us[c], weight);
     settle(budget, cascades,
            spend_at(cascades, intervals_us, std::max(codec_m2, spent_at_least * all_m2), weight));
     return budget;

@@ -21,7 +21,7 @@ constexpr std::size_t interval_count = std::size(keyframe_intervals_us);
 class Intervals {
   public:
     Intervals(const CascadeWaves& waves, double weight, double strain_max)
-        : waves_(waves), weight2_(weight * weight) {
+        : waves_(waves), weight_(weight) {
         while (at_ + 1 < interval_count &&
                !(waves.told_by(us()) && waves.time_strain_rms(us()) <= strain_max))
             ++at_;
@@ -41,16 +41,13 @@ class Intervals {
         return waves_.points() / seconds_from_us(keyframe_intervals_us[i]);
     }
     double loss_of(std::size_t i) const {
-        if (!losses_[i]) {
-            const CascadeLoss loss = waves_.loss(keyframe_intervals_us[i]);
-            losses_[i] = loss.height.time_m * loss.height.time_m +
-                         weight2_ * loss.displacement.time_m * loss.displacement.time_m;
-        }
+        if (!losses_[i])
+            losses_[i] = waves_.time_costs_m2(keyframe_intervals_us[i], weight_);
         return *losses_[i];
     }
 
     const CascadeWaves& waves_;
-    double weight2_;
+    double weight_;
     std::size_t at_ = 0;
     mutable std::optional<double> losses_[interval_count];
 };

@@ -109,14 +109,24 @@ TEST_F(NetDoor,
     EXPECT_EQ(locked.fields.at("Retry-After"), "900") << "a quarter of the hour";
     EXPECT_NE(locked.body.find("900 s"), std::string::npos) << locked.body;
     EXPECT_EQ(knock("open sesame"), protocol::close_code(ErrorCode::too_many_requests));
+    Client barred(port());
+    ASSERT_FALSE(barred.connect());
+    ASSERT_FALSE(barred.send(protocol::hello("c", "open sesame")));
+    const wire::Message* const away = barred.receive(Body::GoAway);
+    ASSERT_TRUE(away);
+    EXPECT_EQ(away->body_as_GoAway()->retry_after_ms(), 900'000u);
     EXPECT_EQ(knock("", "", bearer("master")), 429u);
     EXPECT_EQ(status("/healthz"), 200);
+    for (const char* path :
+         {"/healthz", "/readyz"}) // Naive: a prober with an old token locks its address out.
+        for (const char* token : {"guess5", "open sesame"})
+            EXPECT_EQ(status(path, token), 200) << "no token is looked at";
     EXPECT_EQ(status("/v1/state", "open sesame", neighbour), 200) << "of another address";
     ASSERT_FALSE(before.send(protocol::ping(1, 1)));
     EXPECT_TRUE(before.receive(Body::Pong)) << "who is in stays in";
     EXPECT_EQ(counted("seaway_net_tokens_refused_total{reason=\"wrong\"}", "open sesame"), 4);
     EXPECT_EQ(counted("seaway_net_tokens_refused_total{reason=\"too_many_wrong\"}", "open sesame"),
-              3);
+              4);
     net->stop();
     EXPECT_EQ(log.lines_with("event=token_refused", "reason=wrong").size(), 1u) << log.text();
     EXPECT_EQ(log.lines_with("event=token_refused", "reason=too_many_wrong").size(), 1u);
@@ -191,6 +201,19 @@ TEST_F(NetDoor, the_administrators_token_is_not_taken_where_others_could_have_re
     EXPECT_EQ(log.lines_with("event=session_open", "administrator=true").size(), 2u);
 }
 
+// Naive: taken, and both passed over.
+TEST_F(NetDoor, a_pace_that_is_to_begin_later_or_by_and_by_is_refused) {
+    options.admin_token_file = folder().write("door_pace", "master\n");
+    start();
+    Client admin(port());
+    ASSERT_FALSE(admin.connect());
+    ASSERT_TRUE(admin.greet("master"));
+    ASSERT_FALSE(admin.send(protocol::change(7, {.at_us = 9, .pace_permille = 500})));
+    expect_refused(admin, 7, ErrorCode::bad_value, "at_us 9");
+    ASSERT_FALSE(admin.send(protocol::change(8, {.over_us = 20'000'000, .pace_permille = 500})));
+    expect_refused(admin, 8, ErrorCode::bad_value, "over_us is 20000000");
+}
+
 // Naive: its line is one of the 200 of that second, which anybody can use up.
 TEST_F(NetDoor, what_an_administrator_does_is_in_the_log_whatever_others_do) {
     const auto core = std::make_shared<server::Core>(
@@ -221,7 +244,8 @@ TEST_F(NetDoor, what_a_token_was_worth_decides_which_status_a_page_has) {
     };
     using server::Barred;
     using server::Standing;
-    for (const char* path : {"/v1/state", "/healthz", "/v1/stream"}) {
+    EXPECT_EQ(page("/healthz", {}), 0u) << "for which none is judged";
+    for (const char* path : {"/v1/state", "/v1/stream"}) {
         const bool open = std::string_view(path) != "/v1/state";
         EXPECT_EQ(page(path, {.standing = Standing::administrator}), 0u);
         EXPECT_EQ(page(path, {.standing = Standing::client}), 0u);

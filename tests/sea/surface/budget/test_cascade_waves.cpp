@@ -29,8 +29,8 @@ struct ObliqueWave {
     }
 };
 
-void expect(double found, double expected, const char* what) {
-    EXPECT_NEAR(found, expected, 1e-9 * std::abs(expected)) << what;
+void expect(double found, double expected, const char* what, double share = 1e-9) {
+    EXPECT_NEAR(found, expected, share * std::abs(expected)) << what;
 }
 
 TEST(CascadeWaves, every_figure_of_one_wave_is_what_its_definition_gives) {
@@ -64,31 +64,60 @@ TEST(CascadeWaves, every_figure_of_one_wave_is_what_its_definition_gives) {
                   spline_slope_error(one.qy), "strain");
 }
 
-TEST(CascadeWaves, what_is_missed_between_keyframes_is_hermites_law_of_the_frequency) {
+// Hermite's cubic and the spline both make a wave smaller. Naive: their errors of one wave have nothing to do with each other, so that
+// where both are, a bound of five deviations is one of four.
+TEST(CascadeWaves, what_keyframes_and_the_grid_miss_of_one_wave_adds_up) {
     const ObliqueWave one;
     const CascadeWaves& waves = one.waves;
-    const double k = one.k, omega = one.omega, variance = one.variance, aspect = one.aspect;
-    // Missed between keyframes, in the middle of the two.
+    constexpr double by_rate = 1e-6; // a frequency is a whole number of turns
+    const double east = spline_error(one.qx), north = spline_error(one.qy);
     for (const double interval_s : {0.2, 0.5}) {
         const TimeUs interval_us = us_from_seconds(interval_s);
-        const double missed = std::sqrt(variance) * hermite_error(omega * interval_s);
+        const double time = hermite_error(one.omega * interval_s);
         const CascadeLoss loss = waves.loss(interval_us);
-        EXPECT_NEAR(loss.height.time_m, missed, 1e-6 * missed);
-        EXPECT_NEAR(loss.displacement.time_m, missed * aspect, 1e-6 * missed);
-        expect(loss.height.east_m, std::sqrt(waves.height().east_m2), "east");
-        expect(loss.height.north_m, std::sqrt(waves.height().north_m2), "north");
-        expect(loss.displacement.east_m, std::sqrt(waves.displacement().east_m2), "east");
-        expect(loss.displacement.north_m, std::sqrt(waves.displacement().north_m2), "north");
-        EXPECT_EQ(loss.height.value_m + loss.height.rate_mps, 0) << "nothing is coded";
-        EXPECT_NEAR(waves.time_strain_rms(interval_us), missed * aspect * k, 1e-6 * missed * k);
+        const auto expect_loss = [&](const MapLoss& found, double size2, const char* what) {
+            expect(found.interpolation_variance_m2(), size2 * std::pow(time + east + north, 2),
+                   what, by_rate);
+            expect(square(found.time_m), size2 * time * (time + east + north), what, by_rate);
+            expect(square(found.east_m), size2 * east * (east + north + time), what, by_rate);
+            EXPECT_EQ(found.value_m + found.rate_mps, 0) << "nothing is coded";
+        };
+        expect_loss(loss.height, one.variance, "height");
+        expect_loss(loss.displacement, one.variance * one.aspect * one.aspect, "displacement");
+        // Less far from a keyframe or a grid point, and of keyframes further apart than the sea says.
+        for (const double slow_s : {interval_s, 2 * interval_s}) {
+            const auto slow = waves.slow_loss(interval_us, us_from_seconds(slow_s));
+            MapLoss slower = loss.height;
+            slower.time_m = slow.height_m;
+            const double slow_time = hermite_error(one.omega * slow_s);
+            for (const double s : {0.01, 0.1, 0.3, 0.5})
+                for (const double x : {0.0, 0.1, 0.3, 0.5})
+                    for (const double y : {0.0, 0.2, 0.5}) {
+                        const double b = between_samples(s), bx = between_samples(x),
+                                     by = between_samples(y);
+                        const double missed =
+                            b * slow_time + std::sqrt(bx) * east + std::sqrt(by) * north;
+                        EXPECT_GE(slower.variance_m2(s, bx, by, hermite_weights(0, 1'000'000, 0)),
+                                  one.variance * missed * missed * (1 - by_rate))
+                            << slow_s << ' ' << s << ' ' << x << ' ' << y;
+                    }
+        }
+        // What a second costs is what it adds to the grid's part.
+        expect(waves.time_costs_m2(interval_us, 0.5),
+               one.variance * (1 + 0.25 * one.aspect * one.aspect) *
+                   (std::pow(time + east + north, 2) - std::pow(east + north, 2)),
+               "cost", by_rate);
+        const double strain2 = one.variance * one.aspect * one.aspect * one.k * one.k;
+        EXPECT_NEAR(waves.time_strain_rms(interval_us), std::sqrt(strain2) * time,
+                    by_rate * std::sqrt(strain2) * time);
         expect(waves.strain_rms(interval_us),
-               std::sqrt(std::pow(waves.time_strain_rms(interval_us), 2) + waves.strain().east_m2 +
-                         waves.strain().north_m2),
-               "strain");
+               std::sqrt(strain2) *
+                   (time + spline_slope_error(one.qx) + spline_slope_error(one.qy)),
+               "strain", by_rate);
         EXPECT_TRUE(waves.told_by(interval_us));
     }
     // At the phase step up to which keyframes say something of a wave, and beyond it.
-    const double longest_s = hermite_phase_max / omega;
+    const double longest_s = hermite_phase_max / one.omega;
     EXPECT_TRUE(waves.told_by(us_from_seconds(0.999 * longest_s)));
     EXPECT_FALSE(waves.told_by(us_from_seconds(1.001 * longest_s)));
 }

@@ -26,10 +26,8 @@ std::vector<CascadeWaves> some_waves(int cascades, double steepness = 0.01) {
 double lost_m2(std::span<const CascadeWaves> waves, std::span<const TimeUs> intervals_us,
                double weight) {
     double sum = 0;
-    for (std::size_t c = 0; c < waves.size(); ++c) {
-        const CascadeLoss loss = waves[c].loss(intervals_us[c]);
-        sum += std::pow(loss.height.time_m, 2) + std::pow(weight * loss.displacement.time_m, 2);
-    }
+    for (std::size_t c = 0; c < waves.size(); ++c)
+        sum += waves[c].time_costs_m2(intervals_us[c], weight);
     return sum;
 }
 
