@@ -35,10 +35,10 @@ double rate_hz(const CascadeBudget& cascade) {
     return 1.0 / sea::seconds_from_us(cascade.interval_us);
 }
 
-double error_m(Budgets budgets, const Rung& rung) {
+double error_m(Budgets budgets, const Rung& rung, std::uint32_t cascades) {
     double largest = 0;
     for (const ErrorBudget* budget : budgets)
-        largest = std::max(largest, height_error_m(*budget, number_of(rung)));
+        largest = std::max(largest, height_error_m(*budget, number_of(rung), cascades));
     return largest;
 }
 
@@ -86,12 +86,12 @@ std::size_t codec_for(Budgets budgets, const Demand& wish, Rung rung) {
     const auto cheapest_within = [&](double bound_m) {
         std::size_t cheapest = 0;
         for (rung.codec = 0; rung.codec < codec_rungs.size(); ++rung.codec)
-            if (error_m(budgets, rung) <= bound_m)
+            if (error_m(budgets, rung, wish.cascades) <= bound_m)
                 cheapest = rung.codec;
         return cheapest;
     };
     rung.codec = 0;
-    const double best_m = error_m(budgets, rung);
+    const double best_m = error_m(budgets, rung, wish.cascades);
     const auto wished_m = static_cast<double>(wish.error_m);
     if (is_coarser(number_of(rung)) && wished_m < best_m)
         return cheapest_within(codec_over_coarser * best_m);
@@ -99,7 +99,7 @@ std::size_t codec_for(Budgets budgets, const Demand& wish, Rung rung) {
 }
 
 /// A rung that others have and that is no more than this one, the one with the smallest error; none: the same one.
-Quality shared_instead(Budgets budgets, const Rung& wished,
+Quality shared_instead(Budgets budgets, const Rung& wished, std::uint32_t cascades,
                        const std::bitset<quality_rungs>& in_use) {
     Quality best = number_of(wished);
     double best_m = 0;
@@ -110,7 +110,8 @@ Quality shared_instead(Budgets budgets, const Rung& wished,
                            (rung.rate == 0) == (wished.rate == 0);
         if (!in_use[n] || !alike || rung.size < wished.size || rung.rate < wished.rate)
             continue;
-        if (const double bound_m = error_m(budgets, rung); best_m == 0 || bound_m < best_m) {
+        if (const double bound_m = error_m(budgets, rung, cascades);
+            best_m == 0 || bound_m < best_m) {
             best = static_cast<Quality>(n);
             best_m = bound_m;
         }
@@ -237,7 +238,7 @@ Demand grant_of(const Demand& wish, Budgets budgets, FieldSet offered,
     rung.codec = codec_for(budgets, wish, rung);
     granted.quality = number_of(rung);
     if (is_coarser(granted.quality) && !in_use[granted.quality] && full(in_use)) {
-        granted.quality = shared_instead(budgets, rung, in_use);
+        granted.quality = shared_instead(budgets, rung, wish.cascades, in_use);
         const std::string why =
             fmt::format("{} kinds of coarser maps are in use by others", coarser_rungs_max);
         if (!in_use[granted.quality])
@@ -247,7 +248,7 @@ Demand grant_of(const Demand& wish, Budgets budgets, FieldSet offered,
     }
     if (is_coarser(granted.quality))
         state_coarser(granted, wish, budgets, rung);
-    granted.error_m = static_cast<float>(error_m(budgets, rung));
+    granted.error_m = static_cast<float>(error_m(budgets, rung, wish.cascades));
     if (wish.error_m > 0 && granted.error_m > wish.error_m)
         say(granted.why,
             fmt::format("heights within {:.3g} m are the finest of {}", granted.error_m,

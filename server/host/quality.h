@@ -91,12 +91,15 @@ inline bool is_regridded(const sea::ErrorBudget& budget, const Rung& rung) {
     return rung.compact;
 }
 
-/// Bound on a height from tiles of this rung, all parts together, on level water, m.
-inline double height_error_m(const sea::ErrorBudget& budget, Quality quality) {
+/// Bound on a height from tiles of this rung, all parts together, on level water, m. Of those of `cascades`, a bit each, maps
+/// may be coarser; the others, which nobody wants of it, are as the sea has them.
+inline double height_error_m(const sea::ErrorBudget& budget, Quality quality,
+                             std::uint32_t cascades = ~0u) {
     const Rung rung = rung_of(quality);
     std::vector<sea::CoarserMaps> maps;
-    for (const sea::CascadeBudget& cascade : budget.cascades)
-        maps.push_back(coarser_maps(cascade, rung));
+    for (std::size_t c = 0; c < budget.cascades.size(); ++c)
+        maps.push_back((cascades >> c & 1u) != 0 ? coarser_maps(budget.cascades[c], rung)
+                                                 : sea::CoarserMaps{});
     return level_error_m(budget, codec_error_m(budget, quality), maps) +
            (is_regridded(budget, rung) ? compact_error_m(budget) : 0.0);
 }

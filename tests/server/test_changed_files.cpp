@@ -29,6 +29,8 @@ std::string certified_scene() {
     c.spectrum_hash = spectrum_hash(scene);
     c.envelope =
         sea::envelope_of(sea_point(scene, summarize(scene.sea, *sea::realize(scene)).requested));
+    c.promised_m = 0.05;
+    c.percentile = 99;
     c.measured = {{.sea = "as given", .seed = 3, .hs_m = 1}};
     tests::folder().write("calm.json", to_json(c));
     return tests::folder().write("certified.toml", named);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The client library whose server is killed, stops, moves, or becomes another one: real servers, and a program that samples
 // sixty times a second through all of it.
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -199,8 +200,11 @@ TEST_F(GoesOn, after_a_server_was_killed_and_came_again_at_another_port) {
     EXPECT_EQ(status.seas, 1);
     EXPECT_EQ(status.stale_s, 0);
     const std::scoped_lock lock(mutex);
-    ASSERT_GE(told.size(), 3u);
-    EXPECT_EQ(told.front().state, LinkState::waiting);
+    const auto other = std::ranges::find_if(told, [](const client::ClientStatus& said) {
+        return said.state != LinkState::connected; // before it was told what is held
+    });
+    ASSERT_NE(other, told.end());
+    EXPECT_EQ(other->state, LinkState::waiting);
     EXPECT_EQ(told.back().state, LinkState::connected);
 }
 
@@ -316,7 +320,11 @@ TEST_F(GoesOn, not_where_it_was_told_not_to) {
     EXPECT_FALSE(client->is_open());
     EXPECT_NE(client->closed_reason(), "");
     const std::scoped_lock lock(mutex);
-    EXPECT_LE(told.size(), 1u);
+    EXPECT_LE(std::ranges::count_if(told,
+                                    [](const client::ClientStatus& said) {
+                                        return said.state != LinkState::connected;
+                                    }),
+              1);
 }
 
 } // namespace

@@ -159,6 +159,15 @@ TEST(Grants, what_is_less_than_the_wish_is_said) {
     EXPECT_EQ(granted(plain, wish).why, "this sea streams no slope_x");
 }
 
+// Naive: what others than the wanted ones would miss as coarse as that is stated, too. The long waves of the gale are cut at 64.
+TEST(Grants, the_bound_counts_coarser_maps_of_what_is_wanted_alone) {
+    const server::RunningSeaPtr sea = sea_of_scene("north_sea_gale.toml");
+    Demand wish = wish_of({"", true, 64, 0});
+    EXPECT_GT(granted(sea, wish).error_m, 1.0f);
+    wish.cascades = 1u << 2;
+    EXPECT_LT(granted(sea, wish).error_m, 0.2f);
+}
+
 // Keyframes further apart than a turn of the fastest wave say nothing of it: refused by name, not served as noise.
 TEST(Grants, what_cannot_be_is_refused_with_the_reason) {
     const server::RunningSeaPtr gale = sea_of_scene("north_sea_gale.toml");

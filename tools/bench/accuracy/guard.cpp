@@ -217,8 +217,10 @@ GuardFindings compare_with_baseline(std::span<const GuardedFigure> baseline,
 Result<bool> run_guard(const GuardOptions& options) {
     std::vector<GuardedFigure> baseline;
     if (!options.renew) { // before measuring: a wrong path is told at once
-        SEAWAY_TRY_LET(const std::string text, read_text_file(options.baseline, bytes_max));
-        SEAWAY_TRY_LET(baseline, parse_guard_csv(text, options.baseline));
+        const Result<std::string> text = read_text_file(options.baseline, bytes_max);
+        if (!text)
+            return Error{fmt::format("{}: {}", options.baseline, text.error().message)};
+        SEAWAY_TRY_LET(baseline, parse_guard_csv(*text, options.baseline));
     }
     SEAWAY_TRY_LET(const std::vector<GuardedFigure> measured, guarded_figures());
     if (options.renew) {

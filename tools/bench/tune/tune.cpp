@@ -112,8 +112,14 @@ Result<sea::Certificate> certificate_of(const sea::Scene& scene, const Target& t
     return c;
 }
 
+Result<void> can_be_written(const std::string& path) {
+    if (const Result<void> fine = check_replaceable(path); !fine)
+        return Error{fmt::format("{}: {}", path, fine.error().message)};
+    return {};
+}
+
 Result<void> write_file(const std::string& path, const std::string& text) {
-    SEAWAY_TRY(check_replaceable(path));
+    SEAWAY_TRY(can_be_written(path));
     std::ofstream file(path, std::ios::binary);
     file << text;
     return file.flush() ? Result<void>() : Result<void>(Error{"cannot write " + path});
@@ -198,6 +204,8 @@ Result<void> check_seeds(const TuneCommand& command, const Target& target,
 } // namespace
 
 Result<int> run_tune(const TuneCommand& command) {
+    if (!command.out.empty())
+        SEAWAY_TRY(can_be_written(command.out)); // before an hour is spent on it
     SEAWAY_TRY_LET(sea::Scene scene, sea::read_scene(command.scene));
     scene.accuracy.certificate = {};
     if (scene.accuracy.streams())
