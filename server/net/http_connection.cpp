@@ -160,7 +160,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         const bool is_stream = beast::websocket::is_upgrade(request) &&
                                asked.path == protocol::stream_path && !health_only;
         Judgement judged;
-        if (!health_only && !is_health(asked.path)) {
+        if (!health_only && !is_for_probers(asked.path)) {
             judged = judge_token(core(), peer_, asked.token);
             if (const std::optional<Page> page = keep_out(core(), asked.path, judged))
                 return is_stream ? refuse_session("unauthorised", *page)

@@ -78,9 +78,8 @@ Page stopping_page(const Core& core) {
             .retry_after_s = static_cast<int>(retry_after.count())};
 }
 
-bool is_health(std::string_view path) {
-    return std::ranges::any_of(
-        routes, [path](const Route& known) { return known.is_health && known.path == path; });
+bool is_for_probers(std::string_view path) {
+    return path == "/healthz" || path == "/readyz";
 }
 
 std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged) {
@@ -92,8 +91,8 @@ std::optional<Page> keep_out(const Core& core, std::string_view path, const Judg
         return Page{.status = 403, .body = judged.why + "\n"};
     constexpr std::array open_paths{protocol::stream_path, std::string_view("/"),
                                     status_script_path, status_style_path};
-    const bool needs_none =
-        is_open(core) || is_health(path) || std::ranges::find(open_paths, path) != open_paths.end();
+    const bool needs_none = is_open(core) || is_for_probers(path) ||
+                            std::ranges::find(open_paths, path) != open_paths.end();
     if (judged.barred == Barred::wrong || (judged.standing == Standing::stranger && !needs_none))
         return Page{
             .status = 401,

@@ -32,8 +32,8 @@ struct Page {
 /// address's share, unless that was changed.
 inline constexpr double page_price_bytes = 32 * 1024;
 
-/// /healthz and /readyz are not for those who have a token: none is looked at.
-bool is_health(std::string_view path);
+/// /healthz and /readyz say nothing that is anybody's: no token is looked at there.
+bool is_for_probers(std::string_view path);
 
 /// With a client token, everything but /healthz, /readyz, the shell of the status page and the stream, whose
 /// Hello may bring it, is for those who bring that one, or the administrator's, as "Authorization: Bearer

@@ -19,7 +19,7 @@ inline SeaStateValues some_state() {
                          .scene = "[sea]\n",
                          .warnings = {"first", ""}};
     state.cascades = {{1021.0, 256, 0.006, 0.19, false, 800'000},
-                      {197.0, 256, 0.19, 1.0, true, 200'000}};
+                      {197.0, 256, 0.19, 1.0, false, 200'000}};
     state.choppiness_x = 1.1;
     state.choppiness_y = 0.9;
     state.requested = {.hs_m = 6.5,

@@ -56,8 +56,11 @@ TEST(Messages, server_messages_read_back_as_they_were_written) {
     const SeaStateValues back = values(*state);
     EXPECT_EQ(sea_state(back), sample(Body::SeaState));
     EXPECT_EQ(back.cascades[1].interval_us, 200'000);
-    EXPECT_TRUE(back.cascades[1].placed_alone);
-    EXPECT_FALSE(back.cascades[0].placed_alone);
+    SeaStateValues placed = back;
+    placed.cascades[1].placed_alone = true;
+    const Bytes told = sea_state(placed);
+    EXPECT_TRUE(values(*read(reader, told)->body_as_SeaState()).cascades[1].placed_alone);
+    EXPECT_FALSE(back.cascades[1].placed_alone);
     EXPECT_EQ(back.realised.mean_from_deg, 225);
     EXPECT_EQ(back.warnings.size(), 2u);
     EXPECT_EQ(back.probes, some_state().probes);
