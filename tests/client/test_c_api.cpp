@@ -11,6 +11,7 @@
 
 #include "client/client.h"
 #include "client/seaway.hpp"
+#include "client/seaway_engine.h"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
 #include "tests/server/net/tcp.h"
