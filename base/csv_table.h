@@ -28,10 +28,11 @@ struct CsvTable {
 inline constexpr std::size_t csv_points_max = 10'000'000;
 inline constexpr std::size_t csv_line_bytes_max = 4096;
 
-/// The next line of a stream, without its end; false where there is none. An error says that it has more than
-/// csv_line_bytes_max bytes, of which no more are held.
 /// Some programs begin a file of UTF-8 with three bytes that say so.
 std::string_view without_mark(std::string_view text);
+
+/// The next line of a stream, without its end; false where there is none. An error says that it has more than
+/// csv_line_bytes_max bytes, of which no more are held.
 Result<bool> next_line(std::istream& in, std::string& line);
 
 /// Without spaces, tabs and carriage returns around it.

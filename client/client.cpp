@@ -336,6 +336,22 @@ OwnSeaPtr Client::own_sea(const SeaStatePtr& state) const {
     return own_sea_held(state);
 }
 
+std::uint32_t Client::epoch_of_waves_held(const SeaState& steady) const {
+    if (has_waves_held(steady.epoch))
+        return steady.epoch;
+    // Its waves are those that the last glide before it led to. One that this took over from may have been meant to end then, too.
+    std::uint32_t led_to = steady.epoch;
+    for (const SeaStatePtr& other : sea_states_) // in the order in which they begin
+        if (other->glide && other->glide->end_us == steady.start_time_us)
+            led_to = other->epoch;
+    return led_to;
+}
+
+bool Client::has_waves_held(std::uint32_t epoch) const {
+    const auto found = received_.find(epoch);
+    return found != received_.end() && found->second->has_come();
+}
+
 OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
     if (const auto found = rebuilt_.find(state->epoch); found != rebuilt_.end())
         return found->second;
@@ -343,17 +359,9 @@ OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
         const auto found = received_.find(epoch);
         return found == received_.end() ? nullptr : found->second->sea();
     };
+    if (!state->glide)
+        return received(epoch_of_waves_held(*state));
     const OwnSeaPtr waves = received(state->epoch);
-    if (!state->glide) {
-        if (waves)
-            return waves;
-        // Its waves are those that the last glide before it led to. One that this took over from may have been meant to end then, too.
-        OwnSeaPtr led_to;
-        for (const SeaStatePtr& other : sea_states_) // in the order in which they begin
-            if (other->glide && other->glide->end_us == state->start_time_us)
-                led_to = received(other->epoch);
-        return led_to;
-    }
     const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
     if (!waves || depth == 0 || before == state)
         return nullptr;

@@ -344,6 +344,11 @@ class Client {
     static constexpr int glides_chained_max = 4;
     /// The same with mutex_ held; `depth` more glides may lead there.
     OwnSeaPtr own_sea_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
+    /// Would there be one? Nothing is made for that.
+    bool holds_waves_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
+    bool has_waves_held(std::uint32_t epoch) const;
+    /// Of whose spectrum a steady sea is.
+    std::uint32_t epoch_of_waves_held(const SeaState& steady) const;
     /// mutex_ held. Of now, by the estimate alone.
     sea::TimeUs sea_time_held() const;
     SeaStatePtr sea_state_held(sea::TimeUs time_us) const;

@@ -241,6 +241,16 @@ void Client::say_what_is_held() {
         events_.on_status(now);
 }
 
+bool Client::holds_waves_held(const SeaStatePtr& state, int depth) const {
+    if (rebuilt_.contains(state->epoch))
+        return true;
+    if (!state->glide)
+        return has_waves_held(epoch_of_waves_held(*state));
+    const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
+    return has_waves_held(state->epoch) && depth > 0 && before != state &&
+           holds_waves_held(before, depth - 1);
+}
+
 ClientStatus Client::status() const {
     const LocalUs now_us = local_now_us();
     const sea::FieldSet fields = sampled_fields();
@@ -258,7 +268,7 @@ ClientStatus Client::status() const {
         status.stale_s = 1e-6 * static_cast<double>(now_us - heard_at_us_);
     const TimeUs sea_time_us = sea_time_held();
     const SeaStatePtr state = sea_state_held(sea_time_us);
-    status.holds_waves = own_sea_held(state) != nullptr;
+    status.holds_waves = holds_waves_held(state);
     status.holds_tiles = !state->cascades.empty();
     status.held_from_us = std::numeric_limits<TimeUs>::min();
     status.held_until_us = std::numeric_limits<TimeUs>::max();

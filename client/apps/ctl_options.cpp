@@ -76,9 +76,12 @@ Result<protocol::ChangeWish> change_of(const CtlWords& words) {
         read_text_file(words.scene, protocol::limits::change_scene_bytes_max);
     if (!scene)
         return Error{fmt::format("cannot read scene '{}': {}", words.scene, scene.error().message)};
+    wish.scene = *std::move(scene);
+    if (sea::parse_scene(wish.scene, words.scene))
+        return wish;
     // Whole, with the tables that its files hold. What cannot be read here is said by the server, which may be a newer one.
-    const Result<sea::Scene> whole = sea::read_scene(words.scene);
-    wish.scene = whole ? sea::to_toml(*whole) : *std::move(scene);
+    if (const Result<sea::Scene> whole = sea::read_scene(words.scene))
+        wish.scene = sea::to_toml(*whole);
     if (wish.scene.size() > protocol::limits::change_scene_bytes_max)
         return Error{fmt::format("scene '{}' has {} bytes with its tables, at most {} are sent",
                                  words.scene, wish.scene.size(),

@@ -24,9 +24,10 @@ int exit_code(const char* program, const Error& error);
 /// An error of connecting, which a URL without TLS may be the reason of: then it says so.
 Error not_connected(const std::string& url, Error why);
 
-/// Empty path: no token. An error is Failure::bad_argument.
 /// Certificates are looked at with wss alone: who names some for ws is told so.
 Result<void> check_ca_file(const std::string& url, const std::string& ca_file);
+
+/// Empty path: no token. An error is Failure::bad_argument.
 Result<std::string> read_token(const std::string& path);
 
 } // namespace seaway::client

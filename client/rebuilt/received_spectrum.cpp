@@ -49,6 +49,11 @@ RebuiltSeaPtr ReceivedSpectrum::sea() const {
     return sea_;
 }
 
+bool ReceivedSpectrum::has_come() const {
+    const std::scoped_lock lock(mutex_);
+    return left_.has_value();
+}
+
 double ReceivedSpectrum::left_m() const {
     const std::scoped_lock lock(mutex_);
     return left_ ? left_->height_m : std::numeric_limits<double>::infinity();

@@ -25,6 +25,7 @@ class ReceivedSpectrum {
 
     /// Null before the first waves.
     RebuiltSeaPtr sea() const;
+    bool has_come() const; ///< sea() would be one
 
     /// What is still missed of a height, one standard deviation in metres; infinite before the first waves.
     double left_m() const;

@@ -19,20 +19,19 @@ namespace seaway::sea {
 namespace {
 
 /// The lattice indices of a band's waves lie within this many steps of 0 along each axis.
-int steps_of_band(const CascadeModes& modes) {
+int steps_of_band(const CascadeSpec& spec, const Band& band) {
     return static_cast<int>(
-        std::min(std::ceil(modes.band.k_hi_radpm / modes.spec.wavenumber_step_radpm()),
-                 0.5 * modes.spec.size - 1.0));
+        std::min(std::ceil(band.k_hi_radpm / spec.wavenumber_step_radpm()), 0.5 * spec.size - 1.0));
 }
 
 template <class F>
-void for_each_mode_of_band(const CascadeModes& modes, const F& f) {
-    const int size = modes.spec.size, steps = steps_of_band(modes);
-    const double step = modes.spec.wavenumber_step_radpm();
+void for_each_mode_of_band(const CascadeSpec& spec, const Band& band, const F& f) {
+    const int size = spec.size, steps = steps_of_band(spec, band);
+    const double step = spec.wavenumber_step_radpm();
     for (int ny = -steps; ny <= steps; ++ny)
         for (int nx = -steps; nx <= steps; ++nx) {
             const double k = step * std::sqrt(nx * nx + ny * ny);
-            if ((nx != 0 || ny != 0) && modes.band.contains(k))
+            if ((nx != 0 || ny != 0) && band.contains(k))
                 f(nx, ny, k,
                   static_cast<std::size_t>((ny + size) % size * size + (nx + size) % size));
         }
@@ -45,7 +44,7 @@ void add_spectrum(const DirectionalSpectrum& spectrum, std::uint64_t seed, std::
         return;
     const std::vector<double> variances = mode_variances(spectrum, modes.spec, modes.band);
     const std::uint32_t tile = cascade_key(modes.spec.length_m);
-    for_each_mode_of_band(modes, [&](int nx, int ny, double, std::size_t index) {
+    for_each_mode_of_band(modes.spec, modes.band, [&](int nx, int ny, double, std::size_t index) {
         if (!(variances[index] > 0.0))
             return;
         const double amplitude = 0.5 * std::sqrt(variances[index]);
@@ -58,10 +57,11 @@ void add_spectrum(const DirectionalSpectrum& spectrum, std::uint64_t seed, std::
 
 /// Omega is computed once for each nx^2 + ny^2.
 void fill_rates(CascadeModes& modes, const Dispersion& dispersion, TimeUs loop_period_us) {
-    const int steps = steps_of_band(modes);
+    const Band band{modes.longest_radpm(), modes.band.k_hi_radpm};
+    const int steps = steps_of_band(modes.spec, band);
     // Within the band's disc, and the corners that are looked at and left.
     std::vector<std::optional<Rate>> rates(static_cast<std::size_t>(2 * steps * steps + 1));
-    for_each_mode_of_band(modes, [&](int nx, int ny, double k, std::size_t index) {
+    for_each_mode_of_band(modes.spec, band, [&](int nx, int ny, double k, std::size_t index) {
         std::optional<Rate>& rate = rates[static_cast<std::size_t>(nx * nx + ny * ny)];
         if (!rate)
             rate = mode_rate(dispersion.omega(k), loop_period_us);
@@ -260,13 +260,15 @@ Result<Realization> realize_with(const std::vector<DirectionalSpectrum>& spectra
         modes.band = (*bands)[c];
         modes.h0.resize(points);
         modes.rate.resize(points);
-        fill_rates(modes, sea.dispersion(), realization.loop_period_us);
         for (std::size_t s = 0; s < spectra.size(); ++s)
             add_spectrum(spectra[s], sea.seed, static_cast<std::uint32_t>(s), modes);
     }
     SEAWAY_TRY(add_explicit(realization, sea));
-    for (CascadeModes& modes : realization.cascades)
+    for (CascadeModes& modes : realization.cascades) {
         modes.depth_m = sea.depth_m;
+        if (modes.carries_spectra) // from its longest wave on, which may be one that was placed
+            fill_rates(modes, sea.dispersion(), realization.loop_period_us);
+    }
     return realization;
 }
 

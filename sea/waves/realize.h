@@ -26,7 +26,7 @@ Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> ca
 /// The same without amplitudes (h0 is empty): tiles, frequencies and phases. About 2 ms.
 Result<Realization> realize_clocks(const SeaState& sea, std::span<const CascadeSpec> cascades);
 
-/// The frequencies of all waves of the tile's band, whether there is one or not: in a transition a wave that comes or goes turns by
+/// The frequencies of all waves from the tile's longest one to the end of its band, whether there is one or not: in a transition a wave that comes or goes turns by
 /// the law of the sea that it comes to, and who knows no more than which waves are large (spectrum_builder.h) turns it alike.
 /// The band's waves are no faster than a rate holds.
 void fill_rates(CascadeModes& modes, const Dispersion& dispersion, TimeUs loop_period_us);

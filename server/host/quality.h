@@ -92,7 +92,7 @@ inline bool is_regridded(const sea::ErrorBudget& budget, const Rung& rung) {
 }
 
 /// Bound on a height from tiles of this rung, all parts together, on level water, m. Of those of `cascades`, a bit each, maps
-/// may be coarser; the others, which nobody wants of it, are as the sea has them.
+/// may be coarser; the others, which nobody wants of it, are as fine as the sea has them, coded alike.
 inline double height_error_m(const sea::ErrorBudget& budget, Quality quality,
                              std::uint32_t cascades = ~0u) {
     const Rung rung = rung_of(quality);

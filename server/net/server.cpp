@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/server.h"
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <new>
@@ -282,6 +283,9 @@ void say_busy(tcp::socket& socket, Core& core) {
     socket.non_blocking(true, ignored);
     socket.write_some(asio::buffer(page.data(), page.size()), ignored);
     socket.shutdown(tcp::socket::shutdown_send, ignored);
+    std::array<char, 4096>
+        unseen; // a request that is there already: unread, it would have the page thrown away
+    socket.read_some(asio::buffer(unseen), ignored);
 }
 
 void NetServer::Impl::take_public(tcp::socket socket, const tcp::endpoint& from) {

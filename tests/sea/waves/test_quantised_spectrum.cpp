@@ -20,7 +20,9 @@ using testing::windy_sea;
 SpectrumFrame frame_of(const Realization& sea, const SeaState& state) {
     SpectrumFrame frame;
     for (const CascadeModes& modes : sea.cascades)
-        frame.tiles.push_back({modes.spec, modes.band, modes.carries_spectra});
+        frame.tiles.push_back({modes.spec,
+                               {modes.longest_radpm(), modes.band.k_hi_radpm}, // as it is told
+                               modes.carries_spectra});
     frame.choppiness = sea.choppiness;
     frame.dispersion = state.dispersion();
     frame.loop_period_us = sea.loop_period_us;
@@ -287,6 +289,9 @@ TEST(SpectrumBuilder, refuses_blocks_of_no_cascade_and_waves_of_no_lattice_by_na
 TEST(SpectrumBuilder, knows_the_rate_of_every_wave_of_a_band_as_the_sea_that_was_realised_does) {
     SeaState state = windy_sea();
     state.systems.push_back(ExplicitModes{.length_m = 77.0, .modes = {{3, 0, 0.1, 0.0}}});
+    // Longer than its tile's band, of which the waves beside it are told to be a part.
+    state.systems.push_back(
+        ExplicitModes{.length_m = three_cascades[1].length_m, .modes = {{1, 0, 0.1, 0.0}}});
     for (const double loop_s : {0.0, 60.0}) {
         state.loop_period_s = loop_s;
         const RealizationPtr sea = realized(state, three_cascades);

@@ -64,6 +64,30 @@ TEST(CascadeWaves, every_figure_of_one_wave_is_what_its_definition_gives) {
                   spline_slope_error(one.qy), "strain");
 }
 
+// Naive: of slow waves it is the difference of two sums that round differently, below 0, and products with it have no root.
+TEST(CascadeWaves, what_hermites_cubic_misses_is_never_less_than_nothing_and_grows) {
+    double before = 0;
+    for (double u = 1e-7; u < 6; u *= 1.3) {
+        const double missed = hermite_error(u);
+        EXPECT_GT(missed, before) << u;
+        const auto x = static_cast<long double>(u) / 2;
+        if (u > 0.05) {
+            EXPECT_NEAR(missed / static_cast<double>(1 - std::cos(x) - x / 2 * std::sin(x)), 1,
+                        1e-9)
+                << u;
+        }
+        before = missed;
+    }
+    // A tide beside which keyframes are as close as may be.
+    CascadeModes slow = tests::calm_cascade(1e6, 64);
+    tests::add_wave(slow, 1, 0, 1.0, 0.3);
+    const CascadeWaves waves{slow};
+    for (const TimeUs interval_us : {10'000, 500'000, 2'000'000}) {
+        EXPECT_GE(waves.time_costs_m2(interval_us, 0.1), 0.0);
+        EXPECT_TRUE(std::isfinite(waves.strain_rms(interval_us)));
+    }
+}
+
 // Hermite's cubic and the spline both make a wave smaller. Naive: their errors of one wave have nothing to do with each other, so that
 // where both are, a bound of five deviations is one of four.
 TEST(CascadeWaves, what_keyframes_and_the_grid_miss_of_one_wave_adds_up) {

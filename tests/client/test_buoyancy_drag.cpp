@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hulls that much slows, or nothing.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/client/floating.h"
+
+namespace seaway::tests {
+namespace {
+
+constexpr double step_s = 1.0 / 60;
+
+// Naive: force and torque are divided each by its own, though what lies off the centre pulls along and around.
+TEST(Buoyancy, drag_far_off_the_centre_slows_a_body_and_never_turns_it_back) {
+    const double point_m[3] = {0, 0, -1}, volume_m3 = 0.2;
+    for (const double drag : {100.0, 1e4, 1e5, 1e6, 1e9}) {
+        Floating light;
+        light.hull.mass_kg = 100;
+        std::fill_n(light.hull.inertia_kgm2, 3, 100.0);
+        light.hull.linear_drag = drag;
+        light.hull.vertices_m = point_m;
+        light.hull.vertex_count = 1;
+        light.hull.triangle_count = 0;
+        light.hull.volumes_m3 = &volume_m3;
+        light.hull.column_m = 1;
+        light.body.position_m[2] = 1;
+        light.body.velocity_mps[0] = 1;
+        light.body.angular_velocity_radps[1] = -1;
+        ASSERT_EQ(light.ride(still_water, 0, step_s), SEAWAY_OK);
+        EXPECT_GE(light.body.velocity_mps[0], 0) << drag;
+        EXPECT_LE(light.body.velocity_mps[0], 1) << drag;
+    }
+}
+
+// Naive: drag alone is divided, also where it is what bears a weight: what sinks is twice as fast as its drag says.
+TEST(Buoyancy, what_sinks_does_so_at_the_speed_that_its_drag_bears) {
+    const double points_m[12] = {1, 1, 0, 1, -1, 0, -1, 1, 0, -1, -1, 0};
+    const double volumes_m3[4] = {0.25, 0.25, 0.25, 0.25};
+    for (const double drag : {500.0, 4000.0, 16000.0})
+        for (const double rate_hz : {30.0, 60.0}) {
+            Floating stone;
+            stone.hull.mass_kg = 1500;
+            stone.hull.linear_drag = drag;
+            stone.hull.vertices_m = points_m;
+            stone.hull.vertex_count = 4;
+            stone.hull.triangle_count = 0;
+            stone.hull.volumes_m3 = volumes_m3;
+            stone.hull.column_m = 1;
+            stone.body.position_m[2] = -10;
+            const double before_m = stone.load(still_water).drag_n[2];
+            EXPECT_EQ(before_m, 0);
+            for (int i = 0; i < 120 * rate_hz; ++i)
+                ASSERT_EQ(stone.ride(still_water, 0, 1 / rate_hz), SEAWAY_OK);
+            const double borne_n = stone.load(still_water).drag_n[2];
+            EXPECT_NEAR(borne_n, 500 * SEAWAY_GRAVITY_MPS2, 0.01 * 500 * SEAWAY_GRAVITY_MPS2)
+                << drag << ' ' << rate_hz;
+        }
+}
+
+// Naive: a part turns by what the inertia is at its beginning, and each adds to the spin. Without drag and added mass what water
+// and weight do is conservative: kinetic energy comes and goes, and its highest does not grow.
+TEST(Buoyancy, a_box_that_nothing_slows_rolls_and_pitches_for_ever_and_no_faster) {
+    Floating box;
+    box.roll_to(30);
+    const double pitched[3] = {0, 0.3, 0};
+    seaway_turn(box.body.orientation, pitched);
+    const auto energy_j = [&] {
+        double rows[3][3], momentum[3];
+        seaway_rows(box.body.orientation, rows);
+        seaway_along_axes(rows, box.hull.inertia_kgm2, box.body.angular_velocity_radps, momentum);
+        double twice = 0;
+        for (int i = 0; i < 3; ++i)
+            twice += momentum[i] * box.body.angular_velocity_radps[i] +
+                     Floating::mass_kg * box.body.velocity_mps[i] * box.body.velocity_mps[i];
+        return 0.5 * twice;
+    };
+    std::array<double, 6> most_j{};
+    for (double& most : most_j) // of 100 s each
+        for (int i = 0; i < 6000; ++i) {
+            ASSERT_EQ(box.ride(still_water, 0, step_s), SEAWAY_OK);
+            most = std::max(most, energy_j());
+        }
+    // Modes exchange what they have: some tenths from one span to the next.
+    for (const double most : most_j)
+        EXPECT_NEAR(most, most_j[0], 0.3 * most_j[0]);
+}
+
+} // namespace
+} // namespace seaway::tests
