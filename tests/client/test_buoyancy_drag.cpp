@@ -11,7 +11,7 @@
 namespace seaway::tests {
 namespace {
 
-constexpr double step_s = 1.0 / 60;
+constexpr double frame_s = 1.0 / 60;
 
 // Naive: force and torque are divided each by its own, though what lies off the centre pulls along and around.
 TEST(Buoyancy, drag_far_off_the_centre_slows_a_body_and_never_turns_it_back) {
@@ -29,7 +29,7 @@ TEST(Buoyancy, drag_far_off_the_centre_slows_a_body_and_never_turns_it_back) {
         light.body.position_m[2] = 1;
         light.body.velocity_mps[0] = 1;
         light.body.angular_velocity_radps[1] = -1;
-        ASSERT_EQ(light.ride(still_water, 0, step_s), SEAWAY_OK);
+        ASSERT_EQ(light.ride(still_water, 0, frame_s), SEAWAY_OK);
         EXPECT_GE(light.body.velocity_mps[0], 0) << drag;
         EXPECT_LE(light.body.velocity_mps[0], 1) << drag;
     }
@@ -80,7 +80,7 @@ TEST(Buoyancy, a_box_that_nothing_slows_rolls_and_pitches_for_ever_and_no_faster
     std::array<double, 6> most_j{};
     for (double& most : most_j) // of 100 s each
         for (int i = 0; i < 6000; ++i) {
-            ASSERT_EQ(box.ride(still_water, 0, step_s), SEAWAY_OK);
+            ASSERT_EQ(box.ride(still_water, 0, frame_s), SEAWAY_OK);
             most = std::max(most, energy_j());
         }
     // Modes exchange what they have: some tenths from one span to the next.
