@@ -35,31 +35,6 @@ TEST(Buoyancy, drag_far_off_the_centre_slows_a_body_and_never_turns_it_back) {
     }
 }
 
-// Naive: drag alone is divided, also where it is what bears a weight: what sinks is twice as fast as its drag says.
-TEST(Buoyancy, what_sinks_does_so_at_the_speed_that_its_drag_bears) {
-    const double points_m[12] = {1, 1, 0, 1, -1, 0, -1, 1, 0, -1, -1, 0};
-    const double volumes_m3[4] = {0.25, 0.25, 0.25, 0.25};
-    for (const double drag : {500.0, 4000.0, 16000.0})
-        for (const double rate_hz : {30.0, 60.0}) {
-            Floating stone;
-            stone.hull.mass_kg = 1500;
-            stone.hull.linear_drag = drag;
-            stone.hull.vertices_m = points_m;
-            stone.hull.vertex_count = 4;
-            stone.hull.triangle_count = 0;
-            stone.hull.volumes_m3 = volumes_m3;
-            stone.hull.column_m = 1;
-            stone.body.position_m[2] = -10;
-            const double before_m = stone.load(still_water).drag_n[2];
-            EXPECT_EQ(before_m, 0);
-            for (int i = 0; i < 120 * rate_hz; ++i)
-                ASSERT_EQ(stone.ride(still_water, 0, 1 / rate_hz), SEAWAY_OK);
-            const double borne_n = stone.load(still_water).drag_n[2];
-            EXPECT_NEAR(borne_n, 500 * SEAWAY_GRAVITY_MPS2, 0.01 * 500 * SEAWAY_GRAVITY_MPS2)
-                << drag << ' ' << rate_hz;
-        }
-}
-
 // Naive: a part turns by what the inertia is at its beginning, and each adds to the spin. Without drag and added mass what water
 // and weight do is conservative: kinetic energy comes and goes, and its highest does not grow.
 TEST(Buoyancy, a_box_that_nothing_slows_rolls_and_pitches_for_ever_and_no_faster) {
