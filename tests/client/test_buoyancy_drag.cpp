@@ -38,8 +38,12 @@ TEST(Buoyancy, drag_far_off_the_centre_slows_a_body_and_never_turns_it_back) {
 // Naive: a part turns by what the inertia is at its beginning, and each adds to the spin. Without drag and added mass what water
 // and weight do is conservative: kinetic energy comes and goes, and its highest does not grow.
 TEST(Buoyancy, a_box_that_nothing_slows_rolls_and_pitches_for_ever_and_no_faster) {
-    Floating box;
-    box.roll_to(30);
+    Floating box; // made a beam of 4 x 1 x 1 m, which tumbles most
+    seaway_box(4, 1, 1, box.vertices_m, box.triangles);
+    box.hull.mass_kg = 2000;
+    for (int i = 0; i < 3; ++i)
+        box.hull.inertia_kgm2[i] = 2000.0 / 12 * (i == 0 ? 2 : 17);
+    box.roll_to(29);
     const double pitched[3] = {0, 0.3, 0};
     seaway_turn(box.body.orientation, pitched);
     const auto energy_j = [&] {
@@ -49,7 +53,7 @@ TEST(Buoyancy, a_box_that_nothing_slows_rolls_and_pitches_for_ever_and_no_faster
         double twice = 0;
         for (int i = 0; i < 3; ++i)
             twice += momentum[i] * box.body.angular_velocity_radps[i] +
-                     Floating::mass_kg * box.body.velocity_mps[i] * box.body.velocity_mps[i];
+                     box.hull.mass_kg * box.body.velocity_mps[i] * box.body.velocity_mps[i];
         return 0.5 * twice;
     };
     std::array<double, 6> most_j{};
