@@ -37,8 +37,8 @@ struct Counters {
         {"in_the_clear", 0}, {"too_many_wrong", 0}, {"wrong", 0}};
     std::uint64_t reads_delayed = 0; ///< an address had sent too many bytes
     std::map<std::string, std::uint64_t, std::less<>> sessions_closed; ///< by reason
+    /// By error code; likewise.
     std::map<std::string, std::uint64_t, std::less<>> requests_refused{
-        ///< by error code
         {"bad_value", 0},       {"internal", 0},          {"not_offered", 0}, {"too_large", 0},
         {"too_many_points", 0}, {"too_many_requests", 0}, {"unauthorised", 0}};
     std::uint64_t messages_received = 0;

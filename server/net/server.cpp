@@ -283,8 +283,8 @@ void say_busy(tcp::socket& socket, Core& core) {
     socket.non_blocking(true, ignored);
     socket.write_some(asio::buffer(page.data(), page.size()), ignored);
     socket.shutdown(tcp::socket::shutdown_send, ignored);
-    std::array<char, 4096>
-        unseen; // a request that is there already: unread, it would have the page thrown away
+    // A request that is there already: unread, it would have the page thrown away.
+    std::array<char, 4096> unseen;
     socket.read_some(asio::buffer(unseen), ignored);
 }
 

@@ -19,20 +19,25 @@ double height_at(const RealizationPtr& sea, TimeUs t) {
     return DirectSum(sea).at(3.0, 4.0, t).height;
 }
 
-// The time rate of the sum, against differences of heights of the glide itself.
-TEST(Transition, growth_times_the_rate_of_the_glide_is_what_rates_lack) {
+/// To a stronger wind and other numbers, within ten seconds.
+SeaTransition gust() {
     SeaState stronger = windy_sea();
     std::get<WindSea>(stronger.systems[0]).wind_speed_10m_mps = 20.0;
     stronger.seed = 5;
-    const auto change = SeaTransition::create(realized(windy_sea(), three_cascades),
-                                              realized(stronger, three_cascades), 0, 10'000'000);
+    return *SeaTransition::create(realized(windy_sea(), three_cascades),
+                                  realized(stronger, three_cascades), 0, 10'000'000);
+}
+
+// The time rate of the sum, against differences of heights of the glide itself.
+TEST(Transition, growth_times_the_rate_of_the_glide_is_what_rates_lack) {
+    const SeaTransition change = gust();
     for (const TimeUs t : {1'000'000, 5'000'000, 9'000'000}) {
         const TimeUs step = 1000;
-        const double rise = (height_at(change->gliding(t + step), t + step) -
-                             height_at(change->gliding(t - step), t - step)) /
+        const double rise = (height_at(change.gliding(t + step), t + step) -
+                             height_at(change.gliding(t - step), t - step)) /
                             (2e-6 * static_cast<double>(step));
-        const double waves = DirectSum(change->gliding(t)).at(3.0, 4.0, t).height_rate;
-        const double growth = glide_rate(t, 0, 10'000'000) * height_at(change->growth(t), t);
+        const double waves = DirectSum(change.gliding(t)).at(3.0, 4.0, t).height_rate;
+        const double growth = glide_rate(t, 0, 10'000'000) * height_at(change.growth(t), t);
         EXPECT_NEAR(rise, waves + growth, 1e-4) << t; // h^2 w^3 / 6 of the difference
         EXPECT_GT(std::abs(growth), 1e-3) << "else this says nothing";
     }
@@ -40,20 +45,16 @@ TEST(Transition, growth_times_the_rate_of_the_glide_is_what_rates_lack) {
 
 // Naive: the exact sum has the rates of waves that stand, and is the less exact one.
 TEST(Transition, an_exact_sum_that_knows_the_growth_has_it_in_its_rates_and_in_the_water_below) {
-    SeaState stronger = windy_sea();
-    std::get<WindSea>(stronger.systems[0]).wind_speed_10m_mps = 20.0;
-    stronger.seed = 5;
-    const auto change = SeaTransition::create(realized(windy_sea(), three_cascades),
-                                              realized(stronger, three_cascades), 0, 10'000'000);
+    const SeaTransition change = gust();
     for (const Instructions instructions : supported_instructions())
         for (const TimeUs t : {1'000'000, 5'000'000, 9'000'000}) {
             constexpr TimeUs step = 1000;
             const auto at = [&](TimeUs time) {
-                return DirectSum(change->gliding(time)).at(3.0, 4.0, time);
+                return DirectSum(change.gliding(time)).at(3.0, 4.0, time);
             };
             const LagrangianPoint before = at(t - step), after = at(t + step);
             const double per_s = 0.5e6 / static_cast<double>(step);
-            const DirectSum sum(change->gliding(t), change->growing_at(t), instructions);
+            const DirectSum sum(change.gliding(t), change.growing_at(t), instructions);
             const DirectSum::Moment moment = sum.at_time(t);
             const LagrangianPoint now = moment.at(3.0, 4.0);
             // h^2 w^3 / 6 of the difference.
@@ -62,13 +63,13 @@ TEST(Transition, an_exact_sum_that_knows_the_growth_has_it_in_its_rates_and_in_t
                         per_s * (after.displacement_x - before.displacement_x), 1e-4);
             EXPECT_NEAR(now.displacement_y_rate,
                         per_s * (after.displacement_y - before.displacement_y), 1e-4);
-            EXPECT_EQ(now.height, DirectSum(change->gliding(t)).at(3.0, 4.0, t).height);
+            EXPECT_EQ(now.height, DirectSum(change.gliding(t)).at(3.0, 4.0, t).height);
             const WaterMotion water = moment.motion(3.0, 4.0, 0.0); // at the surface the same
             EXPECT_NEAR(water.velocity_mps[0], now.displacement_x_rate, 1e-9);
             EXPECT_NEAR(water.velocity_mps[2], now.height_rate, 1e-9);
         }
     for (const TimeUs outside : {-1, 0, 10'000'000, 10'000'001})
-        EXPECT_EQ(change->growing_at(outside).waves, nullptr);
+        EXPECT_EQ(change.growing_at(outside).waves, nullptr);
 }
 
 // Naive: water in a sea that becomes shallower moves further sideways, and its rate says nothing of it. 1/d runs from 0 to
