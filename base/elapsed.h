@@ -2,12 +2,20 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 namespace seaway {
 
 /// By the clock that is never set.
 inline double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// That this thread has worked, by the processor's count: while others hold its processor it stands still.
+inline double thread_cpu_seconds() {
+    std::timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 } // namespace seaway

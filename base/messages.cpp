@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -82,6 +83,9 @@ int run_main(const char* program, int status, const std::function<int()>& body) 
         for (const char* part : {program, ": out of memory\n"})
             std::fputs(part, stderr);
         return status;
+    } catch (const std::system_error& problem) {
+        const bool threads = problem.code() == std::errc::resource_unavailable_try_again;
+        return complain(program, status, threads ? no_further_thread : problem.what());
     } catch (const std::exception& problem) {
         return complain(program, status, problem.what());
     }

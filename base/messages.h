@@ -20,9 +20,15 @@ bool is_printable(std::string_view text);
 /// Prints "PROGRAM: MESSAGE" on stderr, printable. Returns `status`.
 int complain(const char* program, int status, std::string_view message);
 
-/// What a program's main() does: the status of `body`, or, of what nobody has caught there, memory above all, `status` after
-/// one line as complain() prints it.
+/// What a program's main() does: the status of `body`, or, of what nobody has caught there, memory and threads above all,
+/// `status` after one line as complain() prints it.
 int run_main(const char* program, int status, const std::function<int()>& body);
+
+/// What is said where std::thread throws std::errc::resource_unavailable_try_again.
+inline constexpr std::string_view no_further_thread =
+    "the system gives it no further thread: more are needed than a limit of processes leaves "
+    "(ulimit -u, TasksMax= of its "
+    "unit, pids.max of its group), or memory for their stacks (ulimit -v)";
 
 /// Does somebody look at stderr? Progress is shown to people alone.
 bool stderr_is_terminal();

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "base/processors.h"
 
 namespace seaway {
 
@@ -38,7 +39,7 @@ int awaited_phase(std::span<const Phase> phases, std::size_t index) {
 ThreadPool::ThreadPool(int threads) {
     SEAWAY_CHECK(threads >= 0, "number of threads");
     if (threads == 0)
-        threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+        threads = usable_processors();
     workers_.reserve(static_cast<std::size_t>(threads - 1));
     try {
         for (int worker = 1; worker < threads; ++worker)

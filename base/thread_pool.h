@@ -8,7 +8,7 @@
 // complete exactly when what it follows is, so to follow it is to follow all that came before it.
 // Between runs the threads sleep. Which thread runs a chunk never changes what the chunk computes.
 //
-//     ThreadPool pool;                       // as many threads as the machine runs at once
+//     ThreadPool pool;                       // as many threads as it may have run at once
 //     const Phase phases[] = {{&columns, &work, 8}, {&rows, &work, 16, 0}};
 //     pool.run(phases);                      // returns when every chunk is done
 //
@@ -40,7 +40,7 @@ int awaited_phase(std::span<const Phase> phases, std::size_t index);
 
 class ThreadPool {
   public:
-    /// `threads` counts the caller; 0 takes what the machine runs at once. Throws std::system_error, and leaves no thread
+    /// `threads` counts the caller; 0: as many as there are `usable_processors()`. Throws std::system_error, and leaves no thread
     /// behind, where the system gives fewer.
     explicit ThreadPool(int threads = 0);
     ~ThreadPool();

@@ -90,10 +90,10 @@ function(seaway_test name)
   endif()
 endfunction()
 
-# seaway_loops(ROOM NAME [SAME_BITS]): NAME_portable.cpp and, on x86, NAME_avx2.cpp of a room: loops over
-# whole grids, one source compiled once per instruction set; the values differ by rounding, or SAME_BITS.
+# seaway_loops(ROOM NAME [SAME_BITS] [AVX512]): NAME_portable.cpp and, on x86, NAME_avx2.cpp (and NAME_avx512.cpp) of a room:
+# loops over whole grids, one source compiled once per instruction set; the values differ by rounding, or SAME_BITS.
 function(seaway_loops room name)
-  cmake_parse_arguments(L "SAME_BITS" "" "" ${ARGN})
+  cmake_parse_arguments(L "SAME_BITS;AVX512" "" "" ${ARGN})
   set(contract $<IF:$<BOOL:${L_SAME_BITS}>,off,fast>)
   set(loop_options "-O3;-ffp-contract=${contract};-fno-math-errno;-fno-trapping-math;-Wno-psabi")
   target_sources(seaway_${room} PRIVATE ${name}_portable.cpp)
@@ -101,5 +101,9 @@ function(seaway_loops room name)
   if(SEAWAY_X86)
     target_sources(seaway_${room} PRIVATE ${name}_avx2.cpp)
     seaway_source_options("${loop_options};-mavx2;-mfma" ${name}_avx2.cpp)
+    if(L_AVX512)
+      target_sources(seaway_${room} PRIVATE ${name}_avx512.cpp)
+      seaway_source_options("${loop_options};-mavx512f;-mavx512dq;-mavx512vl;-mfma;-mprefer-vector-width=512" ${name}_avx512.cpp)
+    endif()
   endif()
 endfunction()

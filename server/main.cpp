@@ -273,12 +273,9 @@ int main(int argc, char** argv) {
     } catch (const std::system_error& error) {
         if (error.code() != std::errc::resource_unavailable_try_again)
             return give_up(exit_usage, error.what());
-        return give_up(
-            exit_usage,
-            "the system gives it no further thread: more are needed than a limit of processes "
-            "leaves "
-            "(ulimit -u, TasksMax= of its unit, pids.max of its group), or memory for their stacks "
-            "(ulimit -v); --answer-threads 1 --io-threads 1 needs the fewest");
+        return give_up(exit_usage,
+                       fmt::format("{}; --answer-threads 1 --io-threads 1 needs the fewest",
+                                   seaway::no_further_thread));
     } catch (const std::exception& error) {
         spdlog::critical("{}", error.what());
         return 1;

@@ -11,7 +11,9 @@ namespace seaway::sea {
 
 const FoamKernel& foam_kernel(Instructions instructions) {
 #if defined(SEAWAY_X86)
-    if (instructions != Instructions::portable)
+    if (instructions == Instructions::avx512)
+        return foam_kernel_avx512();
+    if (instructions == Instructions::avx2)
         return foam_kernel_avx2();
 #else
     SEAWAY_CHECK(instructions == Instructions::portable, "no other kernel is built");
@@ -32,33 +34,44 @@ FoamRatios::FoamRatios(int size, Instructions instructions)
     : kernel_(&foam_kernel(instructions)),
       values_(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0f) {}
 
-void FoamRatios::advance(const FoamTick& tick, const Keyframe* strains,
-                         std::span<float> values) const {
+void FoamRatios::advance(const FoamTick& tick, const Keyframe* strains, std::span<float> values,
+                         std::size_t first) const {
     if (!tick.looks()) {
         for (float& ratio : values)
             ratio = ratio * tick.remains + tick.added;
         return;
     }
     SEAWAY_CHECK(strains != nullptr && strains->fields.contains(foam_inputs) &&
-                     strains->plane_size() == values.size(),
+                     strains->plane_size() == values_.size(),
                  "foam needs the strains of its cascade");
-    kernel_->advance(tick, strains->plane(Field::strain_xx).data(),
-                     strains->plane(Field::strain_yy).data(),
-                     strains->plane(Field::strain_xy).data(), values.data(), values.size());
+    kernel_->advance(tick, strains->plane(Field::strain_xx).data() + first,
+                     strains->plane(Field::strain_yy).data() + first,
+                     strains->plane(Field::strain_xy).data() + first, values.data(), values.size());
 }
 
 void FoamRatios::take(const FoamTick& tick, const Keyframe* strains) {
-    advance(tick, strains, values_);
+    take(tick, strains, {0, values_.size()});
+}
+
+void FoamRatios::take(const FoamTick& tick, const Keyframe* strains, Part part) {
+    advance(tick, strains, std::span(values_).subspan(part.first, part.count), part.first);
 }
 
 void FoamRatios::show(const FoamView& view, const Keyframe* strains, std::span<float> plane) const {
+    show(view, strains, plane, {0, values_.size()});
+}
+
+void FoamRatios::show(const FoamView& view, const Keyframe* strains, std::span<float> plane,
+                      Part part) const {
     SEAWAY_CHECK(plane.size() == values_.size(), "a foam map has the size of its cascade");
-    std::copy(values_.begin(), values_.end(), plane.begin());
+    const std::span<const float> from = values().subspan(part.first, part.count);
+    const std::span<float> shown = plane.subspan(part.first, part.count);
+    std::copy(from.begin(), from.end(), shown.begin());
     if (view.is_state())
         return;
-    advance(view.tick, strains, plane);
+    advance(view.tick, strains, shown, part.first);
     if (view.departure != 1.0f)
-        for (float& ratio : plane)
+        for (float& ratio : shown)
             ratio = 1.0f + view.departure * (ratio - 1.0f);
 }
 

@@ -32,12 +32,12 @@ struct FoamKernel {
                     const float* strain_xy, float* ratio, std::size_t count);
 };
 
-/// The kernel for instructions that this machine has; AVX-512 machines run the AVX2 kernel. The
-/// values differ by rounding.
+/// The kernel for instructions that this machine has. The values differ by rounding.
 const FoamKernel& foam_kernel(Instructions instructions);
 
 // One a translation unit that is compiled for them.
 const FoamKernel& foam_kernel_portable();
 const FoamKernel& foam_kernel_avx2();
+const FoamKernel& foam_kernel_avx512();
 
 } // namespace seaway::sea

@@ -20,6 +20,10 @@ int NativeRunner::threads() const {
     return state_->pool.threads();
 }
 
+ThreadPool& NativeRunner::pool() {
+    return state_->pool;
+}
+
 FieldSet NativeRunner::transformed(FieldSet fields) {
     if (fields.contains(Field::jacobian))
         fields |= {Field::strain_xx, Field::strain_yy, Field::strain_xy};

@@ -34,6 +34,10 @@
 #include "sea/basics/time.h"
 #include "sea/native/native_transform.h"
 
+namespace seaway {
+class ThreadPool;
+}
+
 namespace seaway::sea {
 
 namespace native {
@@ -63,6 +67,8 @@ class NativeRunner {
     NativeRunner& operator=(const NativeRunner&) = delete;
 
     int threads() const;
+    /// For what else is to be done with maps, between two runs.
+    ThreadPool& pool();
 
     /// Fills the planes of every task. Give tasks that are wanted together in one call: threads
     /// then never idle between them.

@@ -93,7 +93,8 @@ struct MapLoss {
         }
     };
     AtTime at(double share, const HermiteWeights& w) const {
-        const double time = time_m * between_samples(share);
+        // Outside it is no bound, but grows; as far out as that it is of the height of the waves.
+        const double time = time_m * between_samples(std::clamp(share, -2.0, 3.0));
         const double coded =
             value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
             rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);

@@ -50,7 +50,7 @@ class Surface {
             const MapError& error, double tolerance_m = InverseOptions{}.tolerance_m)
         : Surface(std::span(pairs.begin(), pairs.size()), choppiness, folds, error, tolerance_m) {}
 
-    /// The undisplaced sea. A time outside a pair's span extrapolates its cubic.
+    /// The undisplaced sea. Beyond a pair's span the sea soon stands (hermite_beyond).
     LagrangianPoint at(double x_m, double y_m, TimeUs time_us) const;
 
     /// Height, normal, velocity above a world point, with a bound on the error of the height. A

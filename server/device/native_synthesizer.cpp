@@ -2,12 +2,14 @@
 #include "server/device/native_synthesizer.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <new>
 
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "base/thread_pool.h"
 #include "sea/foam/foam.h"
 #include "sea/surface/maps/sine_maps.h"
 #include "server/device/spare_buffers.h"
@@ -64,13 +66,27 @@ Result<FoamMapPtr> NativeSynthesizer::open_foam(int size, const FoamMap* from) t
 }
 
 void NativeSynthesizer::take_turn(const FoamTurn& turn, sea::Keyframe& keyframe) {
-    sea::FoamRatios& ratios = static_cast<NativeFoam&>(*turn.map).ratios;
-    if (turn.kept)
-        ratios.take(*turn.kept, &keyframe);
-    const bool shows = keyframe.fields.contains(sea::Field::foam);
-    if (shows)
-        ratios.show(turn.shown, &keyframe, keyframe.plane(sea::Field::foam));
-    counters_.foam_ticks += turn.kept.has_value() + (shows && turn.shown.tick.looks());
+    struct Work {
+        const FoamTurn& turn;
+        sea::FoamRatios& ratios;
+        sea::Keyframe& keyframe;
+        bool shows;
+    } const work{turn, static_cast<NativeFoam&>(*turn.map).ratios, keyframe,
+                 keyframe.fields.contains(sea::Field::foam)};
+    const auto some = [](const void* context, int chunk, int) {
+        const Work& of = *static_cast<const Work*>(context);
+        constexpr std::size_t each = sea::FoamRatios::part_points;
+        const std::size_t first = static_cast<std::size_t>(chunk) * each;
+        const sea::FoamRatios::Part part{first, std::min(each, of.ratios.values().size() - first)};
+        if (of.turn.kept)
+            of.ratios.take(*of.turn.kept, &of.keyframe, part);
+        if (of.shows)
+            of.ratios.show(of.turn.shown, &of.keyframe, of.keyframe.plane(sea::Field::foam), part);
+    };
+    constexpr std::size_t each = sea::FoamRatios::part_points;
+    const auto chunks = static_cast<int>((work.ratios.values().size() + each - 1) / each);
+    runner_.pool().run(std::array{Phase{some, &work, chunks}});
+    counters_.foam_ticks += turn.kept.has_value() + (work.shows && turn.shown.tick.looks());
 }
 
 Result<std::vector<NewKeyframePtr>>

@@ -7,9 +7,9 @@
 #include <deque>
 #include <memory>
 #include <span>
-#include <thread>
 #include <vector>
 
+#include "base/processors.h"
 #include "base/result.h"
 #include "base/thread_pool.h"
 #include "sea/surface/maps/keyframe.h"
@@ -54,8 +54,7 @@ class VulkanReadbacks {
     const std::shared_ptr<SpareBuffers> spare_;
     std::deque<Pending> pending_; ///< oldest first
     /// A quarter of a large machine's: the rest is for who takes keyframes apart.
-    ThreadPool copiers_{
-        std::clamp(static_cast<int>(std::thread::hardware_concurrency()) / 4, 2, 4)};
+    ThreadPool copiers_{std::clamp(usable_processors() / 4, 2, 4)};
     SynthesisCounters counters_;
 };
 

@@ -12,9 +12,18 @@
 
 namespace seaway::server {
 
-Core::Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread)
+Core::Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread,
+           Turns::Now now)
     : options(std::move(net_options)), host(simulation), addresses(options), memory(host.memory()),
-      encoding(memory), map_places(maps_at_once_max, [this](Work work) { post(std::move(work)); }),
+      encoding(memory), turns(
+                            [this](Work turn) {
+                                post([weak = weak_from_this(), turn = std::move(turn)] {
+                                    if (const std::shared_ptr<Core> core = weak.lock())
+                                        turn();
+                                });
+                            },
+                            std::move(now)),
+      map_places(maps_at_once_max, [this](Work work) { post(std::move(work)); }),
       run_on_io_thread_(std::move(run_on_io_thread)) {
     health_door.health_only = true;
 }

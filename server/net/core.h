@@ -22,6 +22,7 @@
 #include "server/net/origins.h"
 #include "server/net/senders.h"
 #include "server/net/tokens.h"
+#include "server/net/turns.h"
 #include "server/net/waiting_line.h"
 
 namespace seaway::server {
@@ -54,7 +55,8 @@ class Core : public std::enable_shared_from_this<Core> {
   public:
     using Work = std::function<void()>;
 
-    Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread);
+    Core(NetOptions net_options, Host& simulation, std::function<void(Work)> run_on_io_thread,
+         Turns::Now now = Turns::Clock::now);
 
     const NetOptions options;
     Host& host;
@@ -73,6 +75,7 @@ class Core : public std::enable_shared_from_this<Core> {
     std::map<SessionId, Session*> sessions;
     SessionId next_session = 1;
     Senders senders;
+    Turns turns;
     Deliveries deliveries{*this};
     Door door;
     Door health_door;

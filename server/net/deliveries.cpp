@@ -33,31 +33,23 @@ void close_who_is_furthest_behind(Core& core) {
 
 void Deliveries::add(Delivery keyframe) {
     waiting_.push_back(std::move(keyframe));
-    if (!goes_on_)
-        turn();
-}
-
-void Deliveries::go_on() {
-    core_.post([weak = core_.weak_from_this(), this] {
-        if (const std::shared_ptr<Core> core = weak.lock())
-            turn();
-    });
-    goes_on_ = true; // not where there was no memory for it: then the next keyframe does
+    core_.turns.first([this] { turn(); });
 }
 
 void Deliveries::turn() {
-    goes_on_ = false;
     if (waiting_.empty())
         return;
     const Delivery streamed = waiting_.front();
-    const int of_this_turn = sessions_a_turn * core_.senders.threads();
+    const int threads = core_.senders.threads();
     bool all = false;
     core_.senders.together([&] {
         auto next = core_.sessions.upper_bound(last_);
-        for (int i = 0; i < of_this_turn && next != core_.sessions.end(); ++i) {
+        for (int i = 1; next != core_.sessions.end(); ++i) {
             Session& session = *next->second; // which may end, and leave the map
             last_ = (next++)->first;
             session.deliver(streamed);
+            if (threads == 1 ? core_.turns.over() : i == sessions_a_turn * threads)
+                break;
         }
         all = next == core_.sessions.end();
     });
@@ -67,7 +59,7 @@ void Deliveries::turn() {
         close_who_is_furthest_behind(core_);
     }
     if (!waiting_.empty())
-        go_on();
+        core_.turns.first([this] { turn(); });
 }
 
 } // namespace seaway::server

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deliveries: keyframes on their way to the sessions, one keyframe after the other, some sessions at a time. Between
-// two turns the io thread reads what has arrived and sends what is answered, so that nobody's reply waits until
-// everybody has been sent a keyframe. Of the io thread alone.
+// Deliveries: keyframes on their way to the sessions, one keyframe after the other, some sessions in each of the io
+// thread's turns. Of the io thread alone.
 #pragma once
 
 #include <deque>
@@ -22,7 +21,7 @@ struct Delivery {
 
 class Deliveries {
   public:
-    /// Of a turn, for each thread that sends: sending to so many takes 0.2 ms.
+    /// Of a turn, for each of several threads that send; one alone sends for as long as its turn is.
     static constexpr int sessions_a_turn = 8;
 
     explicit Deliveries(Core& core) : core_(core) {}
@@ -31,13 +30,11 @@ class Deliveries {
     void add(Delivery keyframe);
 
   private:
-    void go_on();
     void turn();
 
     Core& core_;
     std::deque<Delivery> waiting_;
     SessionId last_ = 0; ///< that has been sent the first of them
-    bool goes_on_ = false;
 };
 
 } // namespace seaway::server

@@ -361,6 +361,7 @@ void NetServer::Impl::stop() {
     core_->detach();
     core_->map_places.stop();
     core_->waiting_for_maps.clear();
+    core_->turns.clear();
     core_->disposal.stop(); // maps hold the core, and its last holder must not be its own thread
 }
 

@@ -123,7 +123,9 @@ class Session {
         Room::Place place; ///< of these
         std::chrono::steady_clock::time_point at = std::chrono::steady_clock::now();
     };
-    void answered(const Asked& asked, const Result<QueryAnswers>& answers);
+    static Result<protocol::SharedBytes> reply_of(const Asked& asked,
+                                                  const Result<QueryAnswers>& answers);
+    void answered(const Asked& asked, const Result<protocol::SharedBytes>& reply);
     /// For the reply to so many points; null: there is none.
     Room::Place reply_place(std::size_t bytes) const;
     /// Has the spectra made that this session wants; what comes of it answers the request, where there is one.

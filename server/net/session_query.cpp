@@ -68,15 +68,16 @@ void Session::on_query(const wire::Query& query) {
         const std::shared_ptr<Core> alive = core.lock();
         if (alive == nullptr)
             return;
+        const Result<protocol::SharedBytes> reply = reply_of(asked, answers);
         if (asking == session) {
             if (Session* found = alive->find(session))
-                found->or_drop([&] { found->answered(asked, answers); });
+                found->or_drop([&] { found->answered(asked, reply); });
             return;
         }
-        alive->post([core, session, asked, answers = std::move(answers)] {
+        alive->post([core, session, asked, reply] {
             const std::shared_ptr<Core> here = core.lock();
             if (Session* found = here ? here->find(session) : nullptr)
-                found->or_drop([&] { found->answered(asked, answers); });
+                found->or_drop([&] { found->answered(asked, reply); });
         });
     });
 }
@@ -87,15 +88,23 @@ Room::Place Session::reply_place(std::size_t bytes) const {
     return own <= small_replies_bytes ? replies.take_anyway(bytes) : replies.take(bytes);
 }
 
-void Session::answered(const Asked& asked, const Result<QueryAnswers>& answers) {
-    replies_in_flight_bytes_ -= asked.bytes;
-    --queries_in_flight_;
+/// On the thread that answers: for the io thread it is 0.2 ms where there are many points.
+Result<protocol::SharedBytes> Session::reply_of(const Asked& asked,
+                                                const Result<QueryAnswers>& answers) {
     if (!answers)
-        return refuse(asked.request_id, answers.error());
-    outbox_.push_reply(
+        return answers.error();
+    return protocol::SharedBytes(
         with_place(asked.place, std::make_shared<const protocol::Bytes>(protocol::query_reply(
                                     asked.request_id, answers->epoch, answers->answers,
                                     answers->below, answers->cascades))));
+}
+
+void Session::answered(const Asked& asked, const Result<protocol::SharedBytes>& reply) {
+    replies_in_flight_bytes_ -= asked.bytes;
+    --queries_in_flight_;
+    if (!reply)
+        return refuse(asked.request_id, reply.error());
+    outbox_.push_reply(*reply);
     link_.send_more();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - asked.at;
     Counters& counters = core_.counters;

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
@@ -215,7 +214,7 @@ class StreamConnection final : public Link,
     /// With what else waits, after others have had their turn.
     void go_on() {
         goes_on_ = true;
-        asio::post(ws_.socket().get_executor(), [self = shared_from_this()] {
+        core().turns.later([self = shared_from_this()] {
             self->goes_on_ = false;
             self->or_drop([&] { self->on_sent(); });
         });

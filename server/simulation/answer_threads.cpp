@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <new>
 
+#include "base/processors.h"
 #include "server/simulation/slice.h"
 
 namespace seaway::server {
 
 int answer_threads_default() {
     constexpr int most = 4;
-    return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, most);
+    return std::clamp(usable_processors(), 1, most);
 }
 
 void AnswerThreads::start(int threads) {

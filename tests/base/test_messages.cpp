@@ -3,6 +3,7 @@
 
 #include <new>
 #include <stdexcept>
+#include <system_error>
 
 #include <gtest/gtest.h>
 
@@ -41,6 +42,14 @@ TEST(RunMain, ends_by_the_status_of_its_body_or_by_one_line) {
     EXPECT_EQ(run_main("a", 4, []() -> int { throw std::bad_alloc(); }), 4);
     EXPECT_EQ(run_main("b", 3, []() -> int { throw std::runtime_error("two\nlines"); }), 3);
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "a: out of memory\nb: two lines\n");
+    testing::internal::CaptureStderr();
+    const auto without = [](std::errc why) {
+        return [why]() -> int { throw std::system_error(std::make_error_code(why)); };
+    };
+    EXPECT_EQ(run_main("c", 5, without(std::errc::resource_unavailable_try_again)), 5);
+    EXPECT_EQ(run_main("d", 6, without(std::errc::no_space_on_device)), 6);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(),
+              "c: " + std::string(no_further_thread) + "\nd: No space left on device\n");
 }
 
 TEST(Printable, is_not_longer_than_a_line_may_be) {

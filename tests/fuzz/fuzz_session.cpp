@@ -26,11 +26,13 @@ class Nowhere : public server::Link {
 struct World {
     std::vector<server::Core::Work> work;
     tests::SmallSea sea;
-    std::shared_ptr<server::Core> core =
-        std::make_shared<server::Core>(server::NetOptions(), sea, [this](server::Core::Work w) {
+    std::shared_ptr<server::Core> core = std::make_shared<server::Core>(
+        server::NetOptions(), sea,
+        [this](server::Core::Work w) {
             const std::lock_guard lock(mutex);
             work.push_back(std::move(w));
-        });
+        },
+        [] { return server::Turns::Clock::time_point(); }); // the same whatever machine it runs on
     std::mutex mutex;
 
     void run() {

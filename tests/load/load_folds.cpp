@@ -21,12 +21,12 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/elapsed.h"
 #include "sea/surface/surface.h"
 #include "server/device/native_synthesizer.h"
 #include "server/simulation/running_sea.h"
@@ -73,13 +73,6 @@ struct Sea {
 
 double now_s() {
     return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
-}
-
-/// Of this thread: other processes may hold the cores.
-double processor_s() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 std::vector<Sea> steep_seas(std::uint64_t seed) {
@@ -237,19 +230,19 @@ class Folds {
         ++points_;
         const std::vector<BruteSheet> sheets = brute.above({point.x_m, point.y_m});
         tally.several += sheets.size() > 1;
-        double start_s = processor_s();
+        double start_s = thread_cpu_seconds();
         const Answer mapped = surface.answer(point);
-        tally.maps.seconds += processor_s() - start_s;
+        tally.maps.seconds += thread_cpu_seconds() - start_s;
         judge_way(name + ", maps", tally, tally.maps, moment, field, sheets, point, mapped,
                   &surface);
         if (!ask_exact)
             return;
         const double tolerance_m =
             1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
-        start_s = processor_s();
+        start_s = thread_cpu_seconds();
         Answer exact = surface_at(
             point, {sea.realization->choppiness, tolerance_m, fold_search(sea.budget)}, moment);
-        tally.exact.seconds += processor_s() - start_s;
+        tally.exact.seconds += thread_cpu_seconds() - start_s;
         exact.error_m += tolerance_m;
         judge_way(name + ", exact", tally, tally.exact, moment, field, sheets, point, exact,
                   nullptr);

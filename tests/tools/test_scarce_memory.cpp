@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Programs that are given less memory than a scene takes.
+#include <string>
+
 #include <gtest/gtest.h>
 
+#include "base/messages.h"
+#include "base/processors.h"
 #include "tests/tools/program.h"
 
 namespace seaway::testing {
@@ -19,7 +23,8 @@ std::string large_scene() {
 // Naive: nobody catches it, and the program dies of SIGABRT and leaves a core.
 TEST(ScarceMemory, ends_a_program_by_one_line_and_its_exit_code) {
     const std::string scene = large_scene();
-    const std::string given = "ulimit -c 0; ulimit -v 150000;"; // KiB
+    // KiB. Stacks are small, or a machine of many processors has no memory for those of its threads.
+    const std::string given = "ulimit -c 0; ulimit -s 512; ulimit -v 150000;";
     const Output inspected = run_program("seaway-inspect", scene, {}, given);
     EXPECT_EQ(inspected.status, 2);
     EXPECT_EQ(inspected.err, "seaway-inspect: out of memory\n");
@@ -27,6 +32,22 @@ TEST(ScarceMemory, ends_a_program_by_one_line_and_its_exit_code) {
         "seaway-bake", scene + " --frames 1 --fps 1 --out " + folder().file("baked"), {}, given);
     EXPECT_EQ(baked.status, 4);
     EXPECT_EQ(baked.err, "seaway-bake: out of memory\n");
+}
+
+// Naive: "Resource temporarily unavailable", of which nobody knows what to do.
+TEST(ScarceMemory, threads_that_have_no_stack_are_named) {
+    // The pool of a machine with one processor has no thread but its caller.
+    const std::string given = "ulimit -c 0; ulimit -s 1000000; ulimit -v 900000;";
+    const Output baked = run_program("seaway-bake",
+                                     "scenes/calm.toml --device native --frames 1 --fps 1 --out " +
+                                         folder().file("threads"),
+                                     {}, given);
+    if (usable_processors() > 1) {
+        EXPECT_EQ(baked.status, 4);
+        EXPECT_EQ(baked.err, "seaway-bake: " + std::string(no_further_thread) + "\n");
+    } else {
+        EXPECT_EQ(baked.status, 0) << baked.err;
+    }
 }
 
 } // namespace

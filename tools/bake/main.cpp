@@ -16,6 +16,7 @@
 
 #include "base/command_line.h"
 #include "base/messages.h"
+#include "base/processors.h"
 #include "base/text_file.h"
 #include "sea/certificate/certificate.h"
 #include "server/device/device_choice.h"
@@ -122,7 +123,7 @@ int run(Options& options) {
         server::make_synthesizer(options.device);
     if (!synthesizer)
         return fail(exit_no_device, synthesizer.error().message);
-    Imf::setGlobalThreadCount(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+    Imf::setGlobalThreadCount(usable_processors());
     const Result<bake::BakeReport> report = bake::bake(*scene, options.bake, **synthesizer);
     if (!report)
         return fail(report.error().is(bake::BakeError::bad_options) ? exit_usage : exit_failed,

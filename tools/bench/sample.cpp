@@ -2,12 +2,12 @@
 #include "tools/bench/sample.h"
 
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <random>
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/surface.h"
 #include "server/device/device_choice.h"
@@ -22,9 +22,7 @@ using sea::TimeUs;
 
 /// CPU time of this thread, ns: what others do on the machine costs it caches at most.
 double thread_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
+    return 1e9 * thread_cpu_seconds();
 }
 
 /// The clock takes as long as a point: so many points lie between two looks at it.

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/processors.h"
+
 namespace seaway::client {
 
 namespace {
 
 int half_of_the_cores() {
-    return std::max(static_cast<int>(std::thread::hardware_concurrency()) / 2, 1);
+    return std::max(usable_processors() / 2, 1);
 }
 
 } // namespace

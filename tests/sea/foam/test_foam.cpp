@@ -10,6 +10,7 @@
 
 #include "sea/surface/inverse.h"
 #include "tests/sea/foam/foam_seas.h"
+#include "tests/support/draw.h"
 
 namespace seaway::sea {
 namespace {
@@ -366,6 +367,38 @@ TEST(Foam, every_instruction_set_gives_the_same_history) {
             ASSERT_NEAR(history.ratios()[i], portable.ratios()[i],
                         1e-6 * (1 + static_cast<double>(portable.ratios()[i])))
                 << name(instructions) << " at " << i;
+    }
+}
+
+// Naive: strains of the first part for all of them.
+TEST(Foam, parts_in_any_order_have_the_bits_of_the_whole) {
+    const sea::RealizationPtr sea = storm();
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
+    constexpr int size = 128;
+    Keyframe strains;
+    strains.size = size;
+    strains.fields = foam_inputs;
+    tests::Draw draw(5);
+    strains.values.resize(3 * strains.plane_size());
+    for (float& value : strains.values)
+        value = static_cast<float>(draw.uniform(-0.5, 0.5));
+    const FoamTick tick = foam_tick(*law, 0, 0.7);
+    const FoamView view{foam_tick(*law, 0, 0.9), 0.8f};
+    for (const Instructions instructions : supported_instructions()) {
+        FoamRatios whole(size, instructions), parts(size, instructions);
+        std::vector<float> of_whole(strains.plane_size()), of_parts(strains.plane_size());
+        for (int step = 0; step < 2; ++step) {
+            whole.take(tick, &strains);
+            whole.show(view, &strains, of_whole);
+            for (std::size_t n = strains.plane_size() / FoamRatios::part_points; n-- > 0;) {
+                const FoamRatios::Part part{n * FoamRatios::part_points, FoamRatios::part_points};
+                parts.take(tick, &strains, part);
+                parts.show(view, &strains, of_parts, part);
+            }
+            EXPECT_TRUE(std::ranges::equal(whole.values(), parts.values())) << name(instructions);
+            EXPECT_EQ(of_whole, of_parts) << name(instructions);
+            EXPECT_NE(of_whole.front(), of_whole.back()) << "they differ from place to place";
+        }
     }
 }
 

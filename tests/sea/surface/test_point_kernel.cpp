@@ -399,7 +399,7 @@ TEST(PointKernel, what_is_no_number_harms_no_neighbour) {
     }
 }
 
-// Far outside a pair its cubic is enormous; whatever comes of it, nothing is read beside the maps.
+// Nothing is read beside the maps.
 TEST(PointKernel, a_time_far_outside_is_answered_and_flagged) {
     const HeldScene& scene = HeldScene::file("north_sea_gale");
     for (const TimeUs time_us : {TimeUs{-1}, 2 * scene.end_us, TimeUs{1'000'000'000'000'000}}) {

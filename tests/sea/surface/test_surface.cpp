@@ -129,6 +129,30 @@ TEST(Surface, g4_time_outside_the_keyframes_is_flagged) {
     EXPECT_TRUE(surface.answer({1, 2, -1}).flags & answer_extrapolated);
 }
 
+// G4: the cubic of the last two keyframes made 63 m of a sea of 5 m, 16 s later, and each point took 40 ms of looking for the
+// highest of its sheets.
+TEST(Surface, g4_a_sea_outside_its_keyframes_stands_and_is_no_higher_than_it_may_be) {
+    const RealizationPtr sea = two_cascades();
+    const Surface surface = surface_of(sea);
+    double highest_m =
+        0; // all waves at once; u is 2 at most here, so half as much again of them (TimeBudget)
+    for (const CascadeModes& modes : sea->cascades)
+        for (const auto& h0 : modes.h0)
+            highest_m += 2 * std::abs(h0);
+    for (const TimeUs beyond_us : {TimeUs{1}, TimeUs{50'000}, TimeUs{4'000'000}, time_us_max})
+        for (const TimeUs time_us : {-beyond_us, interval_us + beyond_us})
+            for (int i = 0; i < 100; ++i) {
+                const Answer answer = surface.answer({1.7 * i, 2.9 * i, time_us});
+                ASSERT_LE(std::abs(answer.height_m), 2 * highest_m) << time_us;
+                ASSERT_EQ(answer.flags, std::uint32_t{answer_extrapolated})
+                    << "and does not fold where it did not";
+                ASSERT_TRUE(std::isfinite(answer.error_m));
+                if (beyond_us >= 4'000'000) {
+                    ASSERT_LT(std::abs(answer.velocity_mps[2]), 1e-4);
+                }
+            }
+}
+
 TEST(Surface, g8_answers_do_not_depend_on_batch_or_order) {
     const Surface surface = surface_of(two_cascades());
     std::vector<QueryPoint> points;

@@ -164,6 +164,36 @@ TEST(NativeSynthesizer, a_held_keyframe_never_changes_while_others_are_made) {
     EXPECT_EQ(keyframe(native, sea::surface_fields, 1'000'000)->values, before);
 }
 
+// Naive: threads that share the strains of the first, or a row that none takes.
+TEST(NativeSynthesizer, foam_has_the_same_bits_with_any_number_of_threads) {
+    const RandomSea random(128, 500.0, 6);
+    const auto foam_with = [&](int threads) {
+        NativeSynthesizer native(threads);
+        EXPECT_TRUE(native.set_sea(random.realization(), 1));
+        const FoamMapPtr map = native.open_foam(128, nullptr).value();
+        sea::FoamTick tick{};
+        tick.threshold = 1.1f;
+        tick.choppiness_x = tick.choppiness_y = tick.choppiness_xy = 1;
+        tick.variance = 0.01f;
+        tick.constant_rest = 1e-10f;
+        tick.remains = 0.6f;
+        tick.source = 2;
+        const FoamTurn turn{map.get(), tick, {tick, 0.9f}};
+        sea::KeyframePtr last;
+        for (sea::TimeUs time_us : {1'000'000, 1'500'000, 2'000'000}) {
+            const KeyframeRequest request{0, time_us, {Field::foam}, 1, &turn};
+            last = native.synthesize({&request, 1}).value().front();
+        }
+        EXPECT_EQ(native.counters().foam_ticks, 6u);
+        const std::span<const float> plane = last->plane(Field::foam);
+        return std::vector<float>(plane.begin(), plane.end());
+    };
+    const std::vector<float> one = foam_with(1);
+    EXPECT_NE(*std::ranges::min_element(one), *std::ranges::max_element(one));
+    for (const int threads : {2, 5})
+        EXPECT_EQ(foam_with(threads), one) << threads;
+}
+
 TEST(NativeSynthesizer, a_loop_comes_back_to_the_bit) {
     const RandomSea random(64, 500.0, 7);
     auto looping = std::make_shared<sea::Realization>(*random.realization());

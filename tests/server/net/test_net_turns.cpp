@@ -2,6 +2,8 @@
 // Whose turn it is on the io thread: between the sessions that are sent a keyframe others are read and answered.
 #include <deque>
 #include <list>
+#include <new>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -62,13 +64,15 @@ class NetTurns : public ::testing::Test {
         return count;
     }
 
-    static constexpr std::size_t a_turn = server::Deliveries::sessions_a_turn;
+    /// A clock by which a turn has room for so many.
+    static constexpr std::size_t a_turn = 4;
+    server::Turns::Clock::time_point clock;
     SmallSea sea;
     std::deque<server::Core::Work> posted;
-    std::shared_ptr<server::Core> core =
-        std::make_shared<server::Core>(server::NetOptions{}, sea, [this](server::Core::Work work) {
-            posted.push_back(std::move(work));
-        });
+    std::shared_ptr<server::Core> core = std::make_shared<server::Core>(
+        server::NetOptions{}, sea,
+        [this](server::Core::Work work) { posted.push_back(std::move(work)); },
+        [this] { return clock += server::Turns::length / a_turn; });
     server::Peer peer{"test", std::make_shared<server::Address>("test", core->options), true,
                       false};
     server::Encoder encoder;
@@ -80,6 +84,7 @@ class NetTurns : public ::testing::Test {
 TEST_F(NetTurns, a_keyframe_goes_to_some_sessions_at_a_time_and_then_others_have_their_turn) {
     take_in(3 * a_turn - 1);
     deliver(1000);
+    ASSERT_TRUE(one_turn());
     EXPECT_EQ(sent(), a_turn);
     bool others_had_theirs = false;
     core->post([&] { others_had_theirs = true; });
@@ -97,6 +102,7 @@ TEST_F(NetTurns, a_keyframe_goes_to_some_sessions_at_a_time_and_then_others_have
 TEST_F(NetTurns, who_leaves_and_who_comes_between_two_turns_is_in_nobodys_way) {
     take_in(2 * a_turn);
     deliver(1000);
+    ASSERT_TRUE(one_turn());
     auto leaves = std::next(sessions_.begin(), a_turn);
     sessions_.begin()->end("test", "has been sent it");
     leaves->end("test", "would have been next");
@@ -115,6 +121,79 @@ TEST_F(NetTurns, keyframes_come_to_everybody_in_the_order_in_which_they_were_mad
         continue;
     for (const OpenLink& link : links)
         EXPECT_EQ(link.tiles_of, (std::vector<sea::TimeUs>{1000, 2000}));
+}
+
+/// Turns alone, on a clock that is set by who is at work.
+class TurnsAlone : public ::testing::Test {
+  protected:
+    server::Turns::Work takes(int share_of_a_turn, char name) {
+        return [this, share_of_a_turn, name] {
+            done += name;
+            clock += server::Turns::length / share_of_a_turn;
+        };
+    }
+    std::string one() {
+        done.clear();
+        if (posted.empty())
+            return "none";
+        const server::Turns::Work turn = std::move(posted.front());
+        posted.pop_front();
+        turn();
+        return done;
+    }
+
+    server::Turns::Clock::time_point clock;
+    std::deque<server::Turns::Work> posted;
+    bool no_memory = false;
+    server::Turns turns{[this](server::Turns::Work turn) {
+                            if (no_memory)
+                                throw std::bad_alloc();
+                            posted.push_back(std::move(turn));
+                        },
+                        [this] { return clock; }};
+    std::string done;
+};
+
+// Naive: who is sent a keyframe takes the whole turn, and the rest of what others are sent waits for its end.
+TEST_F(TurnsAlone, keyframes_and_all_else_have_a_length_each_and_one_work_at_least) {
+    turns.first(takes(1, 'k'));
+    for (const char name : {'a', 'b', 'c', 'd'})
+        turns.later(takes(2, name));
+    turns.later(takes(1, 'e'));
+    EXPECT_EQ(posted.size(), 1u) << "one turn for all";
+    EXPECT_EQ(one(), "kab");
+    turns.first(takes(100, 'k'));
+    EXPECT_EQ(one(), "kcd");
+    EXPECT_EQ(one(), "e") << "longer than a turn";
+    EXPECT_EQ(one(), "none");
+}
+
+TEST_F(TurnsAlone, what_work_asks_for_comes_in_the_next_turn_and_after_what_waits) {
+    turns.later([&] {
+        takes(4, 'a')();
+        turns.first(takes(4, 'k'));
+        turns.later(takes(4, 'c'));
+    });
+    turns.later(takes(1, 'b'));
+    EXPECT_EQ(one(), "ab");
+    EXPECT_EQ(one(), "kc");
+    EXPECT_EQ(one(), "none");
+}
+
+TEST_F(TurnsAlone, whom_memory_fails_takes_nobody_elses_turn) {
+    turns.later([] { throw std::bad_alloc(); });
+    turns.later(takes(1, 'a'));
+    EXPECT_THROW(one(), std::bad_alloc);
+    EXPECT_EQ(one(), "a");
+    no_memory = true;
+    EXPECT_THROW(turns.later(takes(1, 'b')), std::bad_alloc);
+    no_memory = false;
+    turns.later(takes(1, 'c'));
+    EXPECT_EQ(one(), "b");
+    EXPECT_EQ(one(), "c");
+    turns.later(takes(1, 'd'));
+    turns.clear();
+    EXPECT_EQ(one(), "");
 }
 
 } // namespace

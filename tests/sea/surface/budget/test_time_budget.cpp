@@ -49,6 +49,49 @@ TEST(TimeBudget, near_a_keyframe_a_wave_is_missed_by_no_more_than_the_shape_says
         }
 }
 
+// Naive: the cubic goes on: ten intervals behind the last keyframe a wave is a hundred times as high, and a loop of folds.
+TEST(TimeBudget, beyond_its_keyframes_a_wave_runs_on_for_a_quarter_of_an_interval_and_stands) {
+    using namespace std::complex_literals;
+    const auto wave = [](double u,
+                         double s) { // of the worst phase, and its rate, an interval of 1 s
+        const HermiteWeights w = hermite_weights(0, 1'000'000, us_from_seconds(s));
+        const std::complex<double> after = std::exp(1i * u);
+        const auto mixed = [&](const double(&of)[4]) {
+            return of[0] + of[1] * u * 1i + after * (of[2] + of[3] * u * 1i);
+        };
+        return std::pair(mixed(w.value), mixed(w.rate));
+    };
+    for (double u = 0.1; u < 3; u += 0.1) { // beyond, waves are small
+        for (const double end : {0.0, 1.0})
+            for (const double out : {1e-4, 0.05, 0.1, 0.3, 1.0, 10.0, 1e9}) {
+                const double s = end == 0 ? -out : 1 + out;
+                const auto [value, rate] = wave(u, s);
+                // At a quarter: 0.22 of one keyframe, 0.78 of the other, 0.08 and 0.39 of their rates.
+                EXPECT_LE(std::abs(value), 1 + 0.47 * u) << u << ' ' << s;
+                EXPECT_LE(std::abs(rate), u * (1 + u)) << u << ' ' << s;
+                if (out >= 10) {
+                    EXPECT_LT(std::abs(rate), 1e-6 * u) << "it stands";
+                }
+                if (out > 1e6)
+                    continue;
+                // A rate is what the value changes by; microseconds are what times are told in.
+                const double step = 2e-6;
+                const auto difference =
+                    (wave(u, s + step).first - wave(u, s - step).first) / (2 * step);
+                EXPECT_LE(std::abs(difference - rate), 1e-4 * u) << u << ' ' << s;
+                if (out <= 0.1 && u <= 1) { // late by a tenth of an interval
+                    // The cubic is off by u^4 s^2 (1-s)^2 / 24, what it runs slower by 0.0063 of 0.1.
+                    const double off = std::abs(value - std::exp(1i * (u * s)));
+                    EXPECT_LE(off, std::pow(u, 4) * 0.0122 / 24 * 1.5 + 0.0064 * out * u * 1.1);
+                }
+            }
+    }
+    const HermiteWeights alone = hermite_weights(5, 5, 3'600'000'000);
+    EXPECT_NEAR(alone.value[1], hermite_beyond, 1e-9) << "of one map, s of its rate";
+    EXPECT_NEAR(alone.rate[1], 0, 1e-12);
+    EXPECT_EQ(alone.value[0], 1);
+}
+
 // The error in the middle of an interval alone is zero at whole turns: 2 s between keyframes of a
 // loop of 1 s looked perfect.
 TEST(TimeBudget, hermite_law_bounds_every_time_and_phase_and_never_falls) {

@@ -72,11 +72,16 @@ class Crowd {
     Draw draw_;
     LateSea sea_{draw_};
     std::mutex mutex_; ///< of posted_
+    server::Turns::Clock::time_point turns_clock_;
     std::deque<server::Core::Work> posted_;
     std::shared_ptr<server::Core> core_ = std::make_shared<server::Core>(
-        options_by(draw_, sea_), sea_, [this](server::Core::Work work) {
+        options_by(draw_, sea_), sea_,
+        [this](server::Core::Work work) {
             const std::lock_guard lock(mutex_);
             posted_.push_back(std::move(work));
+        },
+        [this] { // each look at this clock finds it later, so turns end after some sessions
+            return turns_clock_ += std::chrono::microseconds(30);
         });
     std::string token_;
     Publications publications_;

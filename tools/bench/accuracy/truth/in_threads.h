@@ -7,15 +7,17 @@
 #include <thread>
 #include <vector>
 
+#include "base/processors.h"
+
 namespace seaway::bench {
 
-/// Calls work(0) to work(count - 1), in as many threads as the machine runs at once; returns when all are
+/// Calls work(0) to work(count - 1), in a thread for each processor that it may use; returns when all are
 /// done. `work` may be called by several threads together.
 template <class Work>
 void in_threads(int count, const Work& work) {
     std::atomic<int> next{0};
     std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+    for (int i = usable_processors(); i > 0; --i)
         threads.emplace_back([&] {
             for (int n = next++; n < count; n = next++)
                 work(n);
