@@ -238,7 +238,7 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
         if (std::ranges::find(channels, sea::Field::foam) != channels.end()) {
             foam = ring_.around(cascade, state->epoch, time_us, state->cascades[index].interval_us,
                                 {sea::Field::foam});
-            if (!foam || !foam->covers)
+            if (!foam)
                 return failed(
                     Failure::not_held,
                     fmt::format("no foam of cascade {} is held around that time", cascade));
@@ -257,7 +257,7 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
             map.length_m = foam->before->keyframe().length_m;
         }
         sea::Answer marks;
-        if (held && !held->covers)
+        if ((held && !held->covers) || (foam && !foam->covers))
             marks.flags |= sea::answer_extrapolated;
         const sea::QueryPoint here{0, 0, time_us};
         if (!mark_stale({&here, 1}, {&marks, 1}))

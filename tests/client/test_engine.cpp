@@ -428,7 +428,14 @@ TEST(Looks, foam_is_put_together_as_its_page_says) {
     EXPECT_NEAR(foam.at({-0.75, -2.5}), foam.at({3.25, 1.5}), 1e-6);
     state.foam_mean = 0.5;
     EXPECT_EQ(client::HeldFoam(state, ring, 0).at({0, 0}), 1) << "no more than all of it";
-    EXPECT_TRUE(std::isnan(client::HeldFoam(state, ring, 500'000).at({0, 0}))) << "none is held";
+    // Naive: a cascade whose keyframe is late says nothing, and its white water goes out.
+    state.foam_mean = 0.1;
+    for (const sea::TimeUs beyond_us : {100'001, 500'000, 50'000'000})
+        EXPECT_NEAR(client::HeldFoam(state, ring, beyond_us).at({2, 1}), put_together(1, 3), 1e-6);
+    EXPECT_NEAR(client::HeldFoam(state, ring, 500'000).at({3.25, 1.5}),
+                put_together(0.75 + 0.25 * 9, 3), 1e-6);
+    state.epoch = 1;
+    EXPECT_TRUE(std::isnan(client::HeldFoam(state, ring, 0).at({0, 0}))) << "none is held";
 }
 
 TEST_F(Engine, the_worked_examples_of_the_header_work_in_c) {

@@ -38,10 +38,11 @@ TEST(ScarceMemory, ends_a_program_by_one_line_and_its_exit_code) {
 TEST(ScarceMemory, threads_that_have_no_stack_are_named) {
     // The pool of a machine with one processor has no thread but its caller.
     const std::string given = "ulimit -c 0; ulimit -s 1000000; ulimit -v 900000;";
-    const Output baked = run_program("seaway-bake",
-                                     "scenes/calm.toml --device native --frames 1 --fps 1 --out " +
-                                         folder().file("threads"),
-                                     {}, given);
+    const Output baked = run_program(
+        "seaway-bake",
+        SEAWAY_SOURCE_DIR "/scenes/calm.toml --device native --frames 1 --fps 1 --out " +
+            folder().file("threads"),
+        {}, given);
     if (usable_processors() > 1) {
         EXPECT_EQ(baked.status, 4);
         EXPECT_EQ(baked.err, "seaway-bake: " + std::string(no_further_thread) + "\n");

@@ -50,11 +50,13 @@ int levels_of(int side, const CascadeFrame& from) {
     return std::clamp(static_cast<int>(std::ceil(std::log2(texels))), 1, last);
 }
 
-/// Of the way from one time to a later one.
+/// Of the way from one time to a later one: 0 before it, 1 behind.
 float share_of(sea::TimeUs before_us, sea::TimeUs after_us, sea::TimeUs time_us) {
     if (after_us <= before_us)
         return 0;
-    return static_cast<float>(time_us - before_us) / static_cast<float>(after_us - before_us);
+    const auto share =
+        static_cast<float>(time_us - before_us) / static_cast<float>(after_us - before_us);
+    return std::clamp(share, 0.0f, 1.0f);
 }
 
 shaders::vec4 narrow(const double (&weights)[4]) {
