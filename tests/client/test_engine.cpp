@@ -2,12 +2,9 @@
 // What seaway_engine.h promises, against the real net server on loopback and a sea whose truth is known.
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "client/held/keyframe_ring.h"
-#include "client/looks.h"
 #include "tests/client/engine.h"
 
 extern "C" seaway_code one_map_in_c(seaway_client* client, float* texels, size_t bytes,
@@ -381,61 +378,6 @@ TEST_F(Engine, waves_that_are_left_out_are_missing_from_heights_and_from_nothing
                                           sizeof(seaway_water)))
                   .find("min_wavelength_m is -1"),
               std::string::npos);
-}
-
-// Bands are half open, and a wave as long as was asked for counts.
-TEST(Looks, cascades_all_of_whose_waves_are_shorter_are_not_felt) {
-    client::SeaState state;
-    for (const double longest_m : {0.0, 40.0, 8.0})
-        state.cascades.push_back(
-            {.k_lo_radpm = longest_m > 0 ? 2 * std::numbers::pi / longest_m : 0});
-    EXPECT_EQ(client::felt_cascades(state, {}), 7u);
-    EXPECT_EQ(client::felt_cascades(state, {.min_wavelength_m = 7.9}), 7u);
-    EXPECT_EQ(client::felt_cascades(state, {.min_wavelength_m = 8.1}), 3u);
-    EXPECT_EQ(client::felt_cascades(state, {.min_wavelength_m = 41}), 1u);
-    EXPECT_EQ(client::felt_cascades(state, {.cascades = 6, .min_wavelength_m = 41}), 0u);
-}
-
-// docs/foam.md: mean (2 product (1 + ratio) / 2 - 1), clamped last; ratios are linear in space and time, over the edge of a tile
-// as anywhere. Floats of some units: 1e-6.
-TEST(Looks, foam_is_put_together_as_its_page_says) {
-    client::SeaState state;
-    state.foam_mean = 0.1;
-    client::KeyframeRing ring;
-    for (int cascade = 0; cascade < 2; ++cascade) {
-        state.cascades.push_back({.length_m = 4, .size = 4, .interval_us = 100'000});
-        for (const sea::TimeUs time_us : {0, 100'000}) {
-            sea::Keyframe map{.epoch = 0,
-                              .cascade = cascade,
-                              .time_us = time_us,
-                              .size = 4,
-                              .length_m = 4,
-                              .fields = {sea::Field::foam},
-                              .values = std::vector<float>(16, cascade == 0 ? 1.0f : 3.0f)};
-            if (cascade == 0) // to the east of the last column lies the first one
-                for (std::size_t y = 0; y < 4; ++y)
-                    map.values[4 * y] = time_us == 0 ? 5.0f : 9.0f;
-            ring.insert(std::make_shared<client::HeldKeyframe>(
-                std::move(map), client::HeldKeyframe::FieldErrors{}));
-        }
-    }
-    const client::HeldFoam foam(state, ring, 25'000);
-    const auto put_together = [](double first, double second) {
-        return 0.1 * (2 * (1 + first) / 2 * (1 + second) / 2 - 1);
-    };
-    EXPECT_NEAR(foam.at({2, 1}), put_together(1, 3), 1e-6);
-    EXPECT_NEAR(foam.at({3.25, 1.5}), put_together(0.75 * 1 + 0.25 * 6, 3), 1e-6);
-    EXPECT_NEAR(foam.at({-0.75, -2.5}), foam.at({3.25, 1.5}), 1e-6);
-    state.foam_mean = 0.5;
-    EXPECT_EQ(client::HeldFoam(state, ring, 0).at({0, 0}), 1) << "no more than all of it";
-    // Naive: a cascade whose keyframe is late says nothing, and its white water goes out.
-    state.foam_mean = 0.1;
-    for (const sea::TimeUs beyond_us : {100'001, 500'000, 50'000'000})
-        EXPECT_NEAR(client::HeldFoam(state, ring, beyond_us).at({2, 1}), put_together(1, 3), 1e-6);
-    EXPECT_NEAR(client::HeldFoam(state, ring, 500'000).at({3.25, 1.5}),
-                put_together(0.75 + 0.25 * 9, 3), 1e-6);
-    state.epoch = 1;
-    EXPECT_TRUE(std::isnan(client::HeldFoam(state, ring, 0).at({0, 0}))) << "none is held";
 }
 
 TEST_F(Engine, the_worked_examples_of_the_header_work_in_c) {
