@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/worse.h"
+#include "sea/foam/foam.h"
 #include "sea/waves/sine_waves.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/server/device/random_sea.h"
@@ -179,14 +180,18 @@ TEST(NativeSynthesizer, foam_has_the_same_bits_with_any_number_of_threads) {
         tick.remains = 0.6f;
         tick.source = 2;
         const FoamTurn turn{map.get(), tick, {tick, 0.9f}};
-        sea::KeyframePtr last;
+        sea::FoamRatios whole(128);
+        std::vector<float> shown(128 * 128);
         for (sea::TimeUs time_us : {1'000'000, 1'500'000, 2'000'000}) {
-            const KeyframeRequest request{0, time_us, {Field::foam}, 1, &turn};
-            last = native.synthesize({&request, 1}).value().front();
+            const FieldSet fields = sea::foam_inputs | FieldSet{Field::foam};
+            const KeyframeRequest request{0, time_us, fields, 1, &turn};
+            const sea::KeyframePtr made = native.synthesize({&request, 1}).value().front();
+            whole.take(tick, made.get());
+            whole.show(turn.shown, made.get(), shown);
+            EXPECT_TRUE(std::ranges::equal(made->plane(Field::foam), shown)) << time_us;
         }
         EXPECT_EQ(native.counters().foam_ticks, 6u);
-        const std::span<const float> plane = last->plane(Field::foam);
-        return std::vector<float>(plane.begin(), plane.end());
+        return shown;
     };
     const std::vector<float> one = foam_with(1);
     EXPECT_NE(*std::ranges::min_element(one), *std::ranges::max_element(one));
