@@ -405,6 +405,7 @@ TEST(PointKernel, a_time_far_outside_is_answered_and_flagged) {
     for (const TimeUs time_us : {TimeUs{-1}, 2 * scene.end_us, TimeUs{1'000'000'000'000'000}}) {
         const Answer answer = scene.surface.answer({1e9, -1e9, time_us});
         EXPECT_TRUE(answer.flags & answer_extrapolated) << time_us;
+        EXPECT_LT(answer.error_m, 100) << "no bound, but not out of this world: " << time_us;
     }
 }
 
