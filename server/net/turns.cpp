@@ -43,7 +43,7 @@ void Turns::turn() {
             } catch (const std::bad_alloc&) { // whoever comes next asks
             }
         }
-    } const ends(*this);
+    } const ends{*this};
     begun_ = now_();
     if (const Work work = std::exchange(first_, nullptr))
         work();
