@@ -70,12 +70,14 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
     const auto keep = [&](std::uint32_t flags) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             water[i].answer = answers[i];
-            water[i].answer.flags |= flags;
+            water[i].answer.flags |= flags | (foam.is_beyond() ? sea::answer_extrapolated : 0u);
         }
     };
     if (cascades == 0) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             lie_flat(points[i], water[i]);
+            if (foam.is_beyond())
+                water[i].answer.flags |= sea::answer_extrapolated;
             water[i].foam = std::isfinite(water[i].answer.height_m)
                                 ? foam.at({points[i].x_m, points[i].y_m})
                                 : std::nan("");

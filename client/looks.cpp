@@ -142,8 +142,10 @@ HeldFoam::HeldFoam(const SeaState& state, const KeyframeRing& ring, sea::TimeUs 
         std::optional<KeyframePair> pair =
             ring.around(static_cast<int>(c), state.epoch, time_us, state.cascades[c].interval_us,
                         {sea::Field::foam});
-        if (pair) // beyond it what was white stays so
-            pairs_.push_back(std::move(*pair));
+        if (!pair)
+            continue;
+        beyond_ = beyond_ || !pair->covers; // what was white stays so
+        pairs_.push_back(std::move(*pair));
     }
 }
 

@@ -53,9 +53,12 @@ class HeldFoam {
     HeldFoam(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us);
     /// By the rule of docs/foam.md, at an undisplaced place. NaN: nothing is held.
     double at(sea::Vec2 place_m) const;
+    /// What is held is of another time, some of it.
+    bool is_beyond() const { return beyond_; }
 
   private:
     std::vector<KeyframePair> pairs_;
+    bool beyond_ = false;
     sea::TimeUs time_us_;
     double mean_;
 };

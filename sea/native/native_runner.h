@@ -60,7 +60,7 @@ struct NativeLines {
 
 class NativeRunner {
   public:
-    /// Threads including the caller; 0: as many as the machine runs at once.
+    /// Threads including the caller; 0: `usable_processors()`.
     explicit NativeRunner(int threads = 0);
     ~NativeRunner();
     NativeRunner(const NativeRunner&) = delete;

@@ -15,7 +15,7 @@ class SpareBuffers;
 
 class NativeSynthesizer final : public Synthesizer {
   public:
-    /// Threads including the caller; 0: as many as the machine runs at once.
+    /// Threads including the caller; 0: `usable_processors()`.
     explicit NativeSynthesizer(int threads = 0);
 
     std::string description() const override;

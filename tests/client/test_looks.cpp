@@ -54,6 +54,7 @@ TEST(Looks, foam_is_put_together_as_its_page_says) {
     const auto put_together = [](double first, double second) {
         return 0.1 * (2 * (1 + first) / 2 * (1 + second) / 2 - 1);
     };
+    EXPECT_FALSE(foam.is_beyond());
     EXPECT_NEAR(foam.at({2, 1}), put_together(1, 3), 1e-6);
     EXPECT_NEAR(foam.at({3.25, 1.5}), put_together(0.75 * 1 + 0.25 * 6, 3), 1e-6);
     EXPECT_NEAR(foam.at({-0.75, -2.5}), foam.at({3.25, 1.5}), 1e-6);
@@ -63,6 +64,7 @@ TEST(Looks, foam_is_put_together_as_its_page_says) {
     state.foam_mean = 0.1;
     for (const sea::TimeUs beyond_us : {100'001, 500'000, 50'000'000})
         EXPECT_NEAR(client::HeldFoam(state, ring, beyond_us).at({2, 1}), put_together(1, 3), 1e-6);
+    EXPECT_TRUE(client::HeldFoam(state, ring, 500'000).is_beyond()) << "and is told apart";
     EXPECT_NEAR(client::HeldFoam(state, ring, 500'000).at({3.25, 1.5}),
                 put_together(0.75 + 0.25 * 9, 3), 1e-6);
     state.epoch = 1;

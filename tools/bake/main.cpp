@@ -123,7 +123,8 @@ int run(Options& options) {
         server::make_synthesizer(options.device);
     if (!synthesizer)
         return fail(exit_no_device, synthesizer.error().message);
-    Imf::setGlobalThreadCount(usable_processors());
+    const int processors = usable_processors();
+    Imf::setGlobalThreadCount(processors > 1 ? processors : 0); // 0: none beside this one
     const Result<bake::BakeReport> report = bake::bake(*scene, options.bake, **synthesizer);
     if (!report)
         return fail(report.error().is(bake::BakeError::bad_options) ? exit_usage : exit_failed,
