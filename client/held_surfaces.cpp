@@ -16,8 +16,9 @@ bool made_of(const sea::Surface& surface, const HeldPairs& held) {
 
 /// A keyframe that stands alone is right at its own time, and at no other of those that no keyframe lies between.
 TimeSpan times_of(const HeldPairs& held, const SeaState& state, sea::TimeUs time_us) {
-    const bool alone = std::ranges::any_of(
-        held.pairs, [](const KeyframePair& pair) { return pair.before == pair.after; });
+    const bool alone = std::ranges::any_of(held.pairs, [](const KeyframePair& pair) {
+        return !pair.covers || pair.before == pair.after;
+    });
     return alone ? TimeSpan{time_us, time_us + 1} : cell_span(state, time_us);
 }
 

@@ -268,8 +268,8 @@ seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t c
 
 /* Answers from what is held; at once. Points of equal times should stand together. Times are 1e18 us either side of 0 at
  * most, and coordinates 1e9 m, beyond which there is no sea: SEAWAY_BAD_ARGUMENT. A time that the
- * keyframes held do not cover is answered as well as can be, flagged SEAWAY_EXTRAPOLATED: behind the last of them
- * the sea runs on for a quarter of a second, and stands. SEAWAY_NOT_HELD if there are none at all. */
+ * keyframes held do not cover is answered as well as can be, flagged SEAWAY_EXTRAPOLATED: beyond them the sea
+ * runs on for a quarter of what lies between two of them, and stands. SEAWAY_NOT_HELD if there are none at all. */
 seaway_code seaway_sample(const seaway_client* client, const seaway_point* points, size_t count,
                           seaway_answer* answers);
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "base/check.h"
 #include "protocol/limits.h"
@@ -233,13 +234,34 @@ const KeyframeRing::Cascade* KeyframeRing::find(int cascade) const {
     return cascade >= 0 && index < cascades_.size() ? &cascades_[index] : nullptr;
 }
 
+namespace {
+
+/// The keyframes on one side of a time, of which the first of each time counts.
+struct Side {
+    TimeUs time_us;
+    HeldKeyframePtr nearest = {};
+    HeldKeyframePtr next = {}; ///< behind it
+
+    TimeUs away_us(const HeldKeyframePtr& held) const {
+        return std::abs(held->keyframe().time_us - time_us);
+    }
+    void take(const HeldKeyframePtr& held) {
+        if (!nearest || away_us(held) < away_us(nearest))
+            next = std::exchange(nearest, held);
+        else if (away_us(held) > away_us(nearest) && (!next || away_us(held) < away_us(next)))
+            next = held;
+    }
+};
+
+} // namespace
+
 std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoch, TimeUs time_us,
                                                  TimeUs interval_us, sea::FieldSet fields) const {
     const std::scoped_lock lock(mutex_);
     const Cascade* ring = find(cascade);
     if (!ring)
         return std::nullopt;
-    KeyframePair pair;
+    Side past{time_us}, future{time_us};
     const sea::Keyframe* newest = nullptr;
     for (auto at = ring->by_arrival.rbegin(); at != ring->by_arrival.rend(); ++at) {
         const HeldKeyframePtr& held = at->keyframe;
@@ -250,29 +272,29 @@ std::optional<KeyframePair> KeyframeRing::around(int cascade, std::uint32_t epoc
         newest = newest ? newest : &keyframe;
         if (keyframe.size != newest->size || keyframe.length_m != newest->length_m)
             continue;
-        if (keyframe.time_us <= time_us &&
-            (!pair.before || keyframe.time_us > pair.before->keyframe().time_us))
-            pair.before = held;
-        if (keyframe.time_us > time_us &&
-            (!pair.after || keyframe.time_us < pair.after->keyframe().time_us))
-            pair.after = held;
+        (keyframe.time_us <= time_us ? past : future).take(held);
     }
-    if (!pair.before && !pair.after)
+    if (!past.nearest && !future.nearest)
         return std::nullopt;
-    const auto apart_us = [](const HeldKeyframePtr& held) {
-        return held ? held->coarser().interval_us : 0;
+    const auto together = [interval_us](const HeldKeyframePtr& before,
+                                        const HeldKeyframePtr& after) {
+        return before && after &&
+               after->keyframe().time_us - before->keyframe().time_us <=
+                   std::max(
+                       {interval_us, before->coarser().interval_us, after->coarser().interval_us});
     };
-    interval_us = std::max({interval_us, apart_us(pair.before), apart_us(pair.after)});
-    pair.covers = pair.before && pair.after &&
-                  pair.after->keyframe().time_us - pair.before->keyframe().time_us <= interval_us;
-    if (pair.covers)
-        return pair;
-    if (!pair.before)
-        pair.before = pair.after;
-    else if (!pair.after || pair.before->keyframe().time_us == time_us)
-        pair.after = pair.before;
-    pair.covers = pair.after == pair.before && pair.before->keyframe().time_us == time_us;
-    return pair;
+    if (together(past.nearest, future.nearest))
+        return KeyframePair{past.nearest, future.nearest, true};
+    if (past.nearest && past.away_us(past.nearest) == 0)
+        return KeyframePair{past.nearest, past.nearest, true};
+    // Of two that are too far apart the nearer one: a cubic through both swells between them.
+    if (!future.nearest ||
+        (past.nearest && past.away_us(past.nearest) <= future.away_us(future.nearest)))
+        return KeyframePair{together(past.next, past.nearest) ? past.next : past.nearest,
+                            past.nearest, false};
+    return KeyframePair{future.nearest,
+                        together(future.nearest, future.next) ? future.next : future.nearest,
+                        false};
 }
 
 HeldKeyframePtr KeyframeRing::newest(int cascade) const {

@@ -96,8 +96,9 @@ class HeldKeyframe {
 };
 using HeldKeyframePtr = std::shared_ptr<const HeldKeyframe>;
 
-/// The keyframes of one cascade around a time, before <= time < after; both the same where there is
-/// only one to go by.
+/// The keyframes of one cascade around a time, before <= time < after; both the same at the very time of the last one. Where the
+/// time is not covered, the nearest one and the one that it has an interval with on its other side, from which the sea runs on
+/// (sea/surface/maps/hermite.h); both the same where it has none.
 struct KeyframePair {
     HeldKeyframePtr before;
     HeldKeyframePtr after;

@@ -49,6 +49,15 @@ void FoamRatios::advance(const FoamTick& tick, const Keyframe* strains, std::spa
                      strains->plane(Field::strain_xy).data() + first, values.data(), values.size());
 }
 
+int FoamRatios::parts() const {
+    return static_cast<int>((values_.size() + part_points - 1) / part_points);
+}
+
+FoamRatios::Part FoamRatios::part(int n) const {
+    const std::size_t first = static_cast<std::size_t>(n) * part_points;
+    return {first, std::min(values_.size() - first, std::size_t{part_points})};
+}
+
 void FoamRatios::take(const FoamTick& tick, const Keyframe* strains) {
     take(tick, strains, {0, values_.size()});
 }

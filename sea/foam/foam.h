@@ -55,13 +55,14 @@ class FoamRatios {
   public:
     explicit FoamRatios(int size, Instructions instructions = best_instructions());
 
-    /// Some values, one after the other. Several threads may work on parts that share none; a part of whole `part_points`, but
-    /// for the last, has the bits that it has in the whole.
+    /// Some values, one after the other. Several threads may each work on a part of its own: its bits are those that it has in the
+    /// whole.
     struct Part {
         std::size_t first;
         std::size_t count;
     };
-    static constexpr std::size_t part_points = 4096;
+    int parts() const;
+    Part part(int n) const;
 
     /// One tick. `strains`: foam_inputs of its cascade; may be null where the tick looks at none.
     void take(const FoamTick& tick, const Keyframe* strains);
@@ -74,6 +75,7 @@ class FoamRatios {
     std::span<const float> values() const { return values_; }
 
   private:
+    static constexpr std::size_t part_points = 4096; ///< whole vectors of every instruction set
     /// The strains of the map from `first` on.
     void advance(const FoamTick& tick, const Keyframe* strains, std::span<float> values,
                  std::size_t first) const;

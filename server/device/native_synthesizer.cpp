@@ -75,17 +75,13 @@ void NativeSynthesizer::take_turn(const FoamTurn& turn, sea::Keyframe& keyframe)
                  keyframe.fields.contains(sea::Field::foam)};
     const auto some = [](const void* context, int chunk, int) {
         const Work& of = *static_cast<const Work*>(context);
-        constexpr std::size_t each = sea::FoamRatios::part_points;
-        const std::size_t first = static_cast<std::size_t>(chunk) * each;
-        const sea::FoamRatios::Part part{first, std::min(each, of.ratios.values().size() - first)};
+        const sea::FoamRatios::Part part = of.ratios.part(chunk);
         if (of.turn.kept)
             of.ratios.take(*of.turn.kept, &of.keyframe, part);
         if (of.shows)
             of.ratios.show(of.turn.shown, &of.keyframe, of.keyframe.plane(sea::Field::foam), part);
     };
-    constexpr std::size_t each = sea::FoamRatios::part_points;
-    const auto chunks = static_cast<int>((work.ratios.values().size() + each - 1) / each);
-    runner_.pool().run(std::array{Phase{some, &work, chunks}});
+    runner_.pool().run(std::array{Phase{some, &work, work.ratios.parts()}});
     counters_.foam_ticks += turn.kept.has_value() + (work.shows && turn.shown.tick.looks());
 }
 

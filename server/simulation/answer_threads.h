@@ -15,7 +15,7 @@
 
 namespace seaway::server {
 
-/// As many as the machine runs at once, four at most: more points than they answer are more than a
+/// As many as there are `usable_processors()`, four at most: more points than they answer are more than a
 /// network thread reads.
 int answer_threads_default();
 inline constexpr int answer_threads_max = 64;

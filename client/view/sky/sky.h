@@ -109,7 +109,7 @@ bool may_be_mixed(const Sky& from, const Sky& to);
 
 class SkyMaker {
   public:
-    /// threads: that make tables; 0: as many as the machine runs at once.
+    /// threads: that make tables; 0: `usable_processors()`.
     explicit SkyMaker(int threads = 0);
     ~SkyMaker();
     Result<Sky> make(const Look& look, const Heavens& heavens, const Eye& eye);

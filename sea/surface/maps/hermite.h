@@ -32,12 +32,15 @@ inline RunsOn runs_on(double ahead, double most) {
     return {ahead * root, slower * root};
 }
 
-/// A time outside the span is one beyond hermite_beyond. Where both keyframes are the same map, the value is carried on by its
-/// rate, for as many seconds.
+/// Of one map alone, whose interval is not known, s: what the shortest waves bear.
+inline constexpr double hermite_beyond_alone_s = 0.05;
+
+/// A time outside the span is one within hermite_beyond of it. Where both keyframes are the same map, the value is carried on by
+/// its rate, for hermite_beyond_alone_s.
 inline HermiteWeights hermite_weights(TimeUs before_us, TimeUs after_us, TimeUs time_us) {
     const double span_s = seconds_from_us(after_us - before_us);
     if (span_s <= 0) {
-        const RunsOn on = runs_on(seconds_from_us(time_us - before_us), hermite_beyond);
+        const RunsOn on = runs_on(seconds_from_us(time_us - before_us), hermite_beyond_alone_s);
         return {{1, on.by, 0, 0}, {0, on.pace, 0, 0}};
     }
     double s = seconds_from_us(time_us - before_us) / span_s;

@@ -85,25 +85,43 @@ TEST(Ring, g4_does_not_cover_times_beyond_what_is_held) {
     EXPECT_FALSE(around(ring, 0));
     ring.insert(keyframe(100'000));
     ring.insert(keyframe(200'000));
-    for (const auto& [time_us, nearest_us] : {std::pair<TimeUs, TimeUs>{250'000, 200'000},
-                                              std::pair<TimeUs, TimeUs>{-50'000, 100'000}}) {
+    ring.insert(keyframe(300'000));
+    // The last two, or the first two: their cubic knows how the sea runs on for a moment.
+    for (const auto& [time_us, before_us] : {std::pair<TimeUs, TimeUs>{350'000, 200'000},
+                                             std::pair<TimeUs, TimeUs>{3'000'000'000, 200'000},
+                                             std::pair<TimeUs, TimeUs>{-50'000, 100'000}}) {
         const auto pair = around(ring, time_us);
         ASSERT_TRUE(pair);
         EXPECT_FALSE(pair->covers);
-        EXPECT_EQ(pair->before->keyframe().time_us, nearest_us);
-        EXPECT_EQ(pair->after->keyframe().time_us, nearest_us);
+        EXPECT_EQ(pair->before->keyframe().time_us, before_us);
+        EXPECT_EQ(pair->after->keyframe().time_us, before_us + 100'000);
     }
+    EXPECT_TRUE(around(ring, 300'000)->covers) << "the very last moment";
 }
 
 TEST(Ring, h4_does_not_cover_a_gap_that_is_wider_than_the_interval) {
     KeyframeRing ring;
     ring.insert(keyframe(100'000));
     ring.insert(keyframe(300'000));
-    const auto pair = around(ring, 150'000);
-    ASSERT_TRUE(pair);
-    EXPECT_FALSE(pair->covers);
-    EXPECT_NE(pair->before, pair->after) << "still the best there is";
     EXPECT_TRUE(around(ring, 100'000)->covers);
+    // Naive: the cubic through both, which swells between them: 16 s apart to 2.6 times a gale.
+    const auto expect_alone = [&](TimeUs time_us, TimeUs nearer_us) {
+        const auto pair = around(ring, time_us);
+        ASSERT_TRUE(pair);
+        EXPECT_FALSE(pair->covers);
+        EXPECT_EQ(pair->before, pair->after);
+        EXPECT_EQ(pair->before->keyframe().time_us, nearer_us);
+    };
+    expect_alone(150'000, 100'000);
+    expect_alone(250'000, 300'000);
+    ring.insert(keyframe(0));
+    ring.insert(keyframe(400'000));
+    const auto runs_on = around(ring, 150'000), runs_back = around(ring, 250'000);
+    EXPECT_EQ(runs_on->before->keyframe().time_us, 0);
+    EXPECT_EQ(runs_on->after->keyframe().time_us, 100'000);
+    EXPECT_EQ(runs_back->before->keyframe().time_us, 300'000);
+    EXPECT_EQ(runs_back->after->keyframe().time_us, 400'000);
+    EXPECT_FALSE(runs_on->covers || runs_back->covers);
 }
 
 TEST(Ring, never_mixes_epochs_cascades_or_keyframes_that_lack_a_field) {

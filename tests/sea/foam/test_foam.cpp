@@ -390,10 +390,9 @@ TEST(Foam, parts_in_any_order_have_the_bits_of_the_whole) {
         for (int step = 0; step < 2; ++step) {
             whole.take(tick, &strains);
             whole.show(view, &strains, of_whole);
-            for (std::size_t n = strains.plane_size() / FoamRatios::part_points; n-- > 0;) {
-                const FoamRatios::Part part{n * FoamRatios::part_points, FoamRatios::part_points};
-                parts.take(tick, &strains, part);
-                parts.show(view, &strains, of_parts, part);
+            for (int n = parts.parts(); n-- > 0;) {
+                parts.take(tick, &strains, parts.part(n));
+                parts.show(view, &strains, of_parts, parts.part(n));
             }
             EXPECT_TRUE(std::ranges::equal(whole.values(), parts.values())) << name(instructions);
             EXPECT_EQ(of_whole, of_parts) << name(instructions);

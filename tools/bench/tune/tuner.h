@@ -7,7 +7,7 @@
 // with a fifth to spare in all of them. Since the order is one and what keeps a tight target keeps a
 // loose one, a looser target never costs more.
 //
-// For one thread; truths are summed in as many as the machine has.
+// For one thread; truths are summed in as many as it may use.
 #pragma once
 
 #include <cstdint>
