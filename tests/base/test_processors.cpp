@@ -25,8 +25,9 @@ TEST(Processors, a_quota_is_rounded_up_and_max_is_none) {
 
 /// Groups as a container sees them: a limit may stand at any of those above it.
 TEST(Processors, the_narrowest_group_counts) {
-    const tests::Folder folder;
+    tests::Folder& folder = tests::folder();
     const std::filesystem::path groups = folder.file("groups");
+    std::filesystem::remove_all(groups);
     std::filesystem::create_directories(groups / "pods" / "sea");
     const auto limit = [&](const std::filesystem::path& group, const char* text) {
         std::ofstream(groups / group / "cpu.max") << text << '\n';

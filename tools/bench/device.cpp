@@ -153,8 +153,8 @@ std::vector<Measured> lists_of(const Bench& bench, const server::RunningSeaPtr& 
     return lists;
 }
 
-/// A tick of foam of all tiles: by the device's clock, or what a keyframe of it takes more than one of the strains that it
-/// is made of.
+/// A tick of foam of all tiles: by the device's clock alone, as strains travel and foam's keyframe has none; or, where there is
+/// no such clock, what a keyframe of it takes more than one of the strains that it is made of.
 Row foam_tick(std::span<const Measured> lists, int size) {
     const auto named = [&](std::string_view name) {
         return *std::ranges::find_if(lists, [&](const Measured& one) {
@@ -164,9 +164,9 @@ Row foam_tick(std::span<const Measured> lists, int size) {
     const Measured strains = named("strains"), foam = named("foam");
     std::vector<double> device_s, wall_s;
     for (std::size_t i = 0; i < foam.wall_s.size(); ++i) {
-        device_s.push_back(foam.foam_s[i] > 0 ? foam.foam_s[i]
-                                              : foam.device_s[i] - strains.device_s[i]);
-        wall_s.push_back(foam.wall_s[i] - strains.wall_s[i]);
+        const bool clocked = foam.foam_s[i] > 0;
+        device_s.push_back(clocked ? foam.foam_s[i] : foam.device_s[i] - strains.device_s[i]);
+        wall_s.push_back(clocked ? 0 : foam.wall_s[i] - strains.wall_s[i]);
     }
     return {"foam", "a tick", size, median(device_s), median(wall_s), foam.row.bytes};
 }
