@@ -180,6 +180,7 @@ seaway_code seaway_get_source(const seaway_client* client, int64_t time_us, seaw
     return guarded([&]() -> Result<void> {
         if (!client)
             return bad("seaway_get_source: client must not be null");
+        SEAWAY_TRY(check_time(time_us));
         const SourceNow from = client->client->source(time_us);
         seaway_source to{};
         to.source = static_cast<uint32_t>(from.source);

@@ -113,7 +113,7 @@ void Client::take_keyframe(const HeldKeyframePtr& keyframe) {
 void Client::take_grant(const Grant& grant) {
     const std::scoped_lock asking(asking_);
     std::unique_lock lock(mutex_);
-    if (subscription_) {
+    if (subscription_.wanted()) {
         grant_ = grant;
         return;
     }
@@ -213,22 +213,23 @@ void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
 }
 
 template <class Kind>
-auto Client::subscribe_and_keep(std::optional<Kind>& kept, Kind subscription) {
+auto Client::subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription) {
     Waiter waiter;
-    std::optional<Kind> before;
+    typename Kept<Kind>::Serial serial = 0;
     {
         const std::scoped_lock asking(asking_);
         std::unique_lock lock(mutex_);
-        subscription.serial = ++subscriptions_;
         // Kept from here on: the connection may end, and come back, behind the grant.
-        before = std::exchange(kept, subscription);
+        serial = kept.ask(subscription);
         lock.unlock();
         ask_for(*link(), subscription, waiter);
     }
     auto had = granted(subscription, reply_of(waiter));
     const std::scoped_lock lock(asking_, mutex_);
-    if (!had && kept && kept->serial == subscription.serial)
-        kept = before;
+    if (had)
+        kept.granted(serial, subscription);
+    else
+        kept.failed(serial, had.error());
     return had;
 }
 
@@ -241,7 +242,7 @@ void Client::unsubscribe() {
     link()->unsubscribe();
     wake();
     const std::scoped_lock lock(mutex_);
-    subscription_.reset();
+    subscription_.end();
     grant_.reset();
 }
 
@@ -255,7 +256,7 @@ void Client::unsubscribe_spectrum() {
     link()->unsubscribe_spectrum();
     wake();
     const std::scoped_lock lock(mutex_);
-    spectrum_subscription_.reset();
+    spectrum_subscription_.end();
 }
 
 void Client::ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter) {

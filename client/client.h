@@ -43,6 +43,7 @@
 #include "client/held_surfaces.h"
 #include "client/link/clock.h"
 #include "client/link/connection.h"
+#include "client/link/kept.h"
 #include "client/link/readiness.h"
 #include "client/link/reconnect.h"
 #include "client/local_surface.h"
@@ -216,12 +217,10 @@ class Client {
         protocol::TileWish wish;
         int credit;
         double timeout_s;
-        std::uint64_t serial = 0; ///< tells it from those before and after
     };
     struct SpectrumSubscription {
         protocol::SpectrumWish wish;
         double timeout_s;
-        std::uint64_t serial = 0;
     };
 
     Client(ConnectOptions options, ClientEvents events, RingLimits limits);
@@ -247,7 +246,7 @@ class Client {
     /// Subscribes again; while that is refused, after waits, for as long as the connection stands.
     void subscribe_again(std::unique_lock<std::mutex>& lock);
     template <class Kind>
-    Result<void> subscribe_as_before(const std::optional<Kind>& kept);
+    Result<void> subscribe_as_before(const Kept<Kind>& kept);
     void say_status();
     void say_what_is_held(); ///< where that is something else than was said
     /// mutex_ held, on the connection's thread: its first sea is known.
@@ -262,17 +261,16 @@ class Client {
     void forget_sea(); ///< mutex_ held
     /// Asks for what is kept now, if anything is (wanted.h).
     template <class Kind>
-    std::optional<Kind> ask_as_before(const std::optional<Kind>& kept,
-                                      std::optional<Waiter>& waiter);
+    std::optional<Kind> ask_as_before(const Kept<Kind>& kept, std::optional<Waiter>& waiter);
     static void ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter);
     static void ask_for(Connection& connection, const SpectrumSubscription& subscription,
                         Waiter& waiter);
     Result<Grant> granted(const Subscription& subscription, const Result<Reply>& reply);
     Result<protocol::SpectrumGrant> granted(const SpectrumSubscription& subscription,
                                             const Result<Reply>& reply);
-    /// What is kept is subscribed to again by the keeper; of a failure that of before stays.
+    /// What is kept is subscribed to again by the keeper.
     template <class Kind>
-    auto subscribe_and_keep(std::optional<Kind>& kept, Kind subscription);
+    auto subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription);
     // client_threadless.cpp: of a client without threads, where the keeper's way back is taken step by step.
     struct Coming {
         ConnectionPtr connection;
@@ -414,9 +412,8 @@ class Client {
     JoiningPtr joining_; ///< of connection_
     /// Before mutex_. What is kept is what the server was asked for last: changed and said with this held.
     std::mutex asking_;
-    std::uint64_t subscriptions_ = 0; ///< asked for so far
-    std::optional<Subscription> subscription_;
-    std::optional<SpectrumSubscription> spectrum_subscription_;
+    Kept<Subscription> subscription_;
+    Kept<SpectrumSubscription> spectrum_subscription_;
     ReconnectPauses pauses_;
     ClientStatus status_; ///< what changes by events
     std::chrono::steady_clock::time_point next_attempt_{};

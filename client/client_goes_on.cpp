@@ -17,6 +17,9 @@ using sea::TimeUs;
 
 namespace {
 
+/// Until a client that has no memory for coming back tries again.
+constexpr std::chrono::seconds no_memory_pause{1};
+
 /// A server answers pings each second; whose third is missing is silent.
 constexpr LocalUs silent_us = 3'000'000;
 
@@ -121,14 +124,21 @@ Client::ConnectionPtr Client::adopt(ConnectionPtr opened, const JoiningPtr& join
 void Client::keep() {
     std::unique_lock lock(mutex_);
     while (!leaving_.stop_requested()) {
-        if (!joining_->end) {
-            changed_.wait(lock);
-            continue;
+        try {
+            if (joining_->end) {
+                come_back(lock, *joining_->end);
+                if (status_.state == LinkState::stopped)
+                    return;
+            } else if (!resuming_) {
+                changed_.wait(lock);
+                continue;
+            }
+            subscribe_again(lock);
+        } catch (const std::bad_alloc&) { // this thread is ours alone: who would be told?
+            if (!lock)
+                lock.lock();
+            changed_.wait_for(lock, no_memory_pause, [&] { return leaving_.stop_requested(); });
         }
-        come_back(lock, *joining_->end);
-        if (status_.state == LinkState::stopped)
-            return;
-        subscribe_again(lock);
     }
 }
 
@@ -175,13 +185,7 @@ void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
         note_attempt();
         say();
         lock.unlock();
-        const Result<void> opened = [this]() -> Result<void> {
-            try {
-                return open_link();
-            } catch (const std::bad_alloc&) { // this thread is ours alone: who would be told?
-                return failed(Failure::cannot_connect, "no memory");
-            }
-        }();
+        const Result<void> opened = open_link();
         lock.lock();
         if (opened)
             return;
@@ -190,7 +194,7 @@ void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
 }
 
 template <class Kind>
-Result<void> Client::subscribe_as_before(const std::optional<Kind>& kept) {
+Result<void> Client::subscribe_as_before(const Kept<Kind>& kept) {
     std::optional<Waiter> asked;
     if (const std::optional<Kind> wanted = ask_as_before(kept, asked))
         SEAWAY_TRY(granted(*wanted, reply_of(*asked)));

@@ -64,23 +64,22 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
             const std::optional<Vec2> place =
                 put_movement(points[i], options, field, blur_m, water[i]);
             water[i].foam = place ? foam.at(*place) : std::nan("");
+            water[i].foam_late = place && foam.is_beyond();
         }
     };
     std::vector<sea::Answer> answers(points.size());
     const auto keep = [&](std::uint32_t flags) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             water[i].answer = answers[i];
-            water[i].answer.flags |= flags | (foam.is_beyond() ? sea::answer_extrapolated : 0u);
+            water[i].answer.flags |= flags;
         }
     };
     if (cascades == 0) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             lie_flat(points[i], water[i]);
-            if (foam.is_beyond())
-                water[i].answer.flags |= sea::answer_extrapolated;
-            water[i].foam = std::isfinite(water[i].answer.height_m)
-                                ? foam.at({points[i].x_m, points[i].y_m})
-                                : std::nan("");
+            const bool is_water = std::isfinite(water[i].answer.height_m);
+            water[i].foam = is_water ? foam.at({points[i].x_m, points[i].y_m}) : std::nan("");
+            water[i].foam_late = is_water && foam.is_beyond();
         }
         return {};
     }
@@ -131,6 +130,7 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
                                              "held end before that time");
         for (std::size_t i = 0; i < water.size(); ++i) {
             water[i].answer = answers[i];
+            water[i].answer.flags |= water[i].foam_late ? sea::answer_foam_late : 0u;
             water[i].displacement_error_m += moved_off_m[i];
         }
         return water;

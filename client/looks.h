@@ -33,6 +33,8 @@ struct Water {
     double displacement_error_m = 0; ///< bound on each, to first order; infinite next to a fold
     double jacobian = 1;
     double foam = 0; ///< share that is white; NaN where none is held
+    bool foam_late =
+        false; ///< and so the answer is flagged, once it is known how stale it is itself
 };
 
 /// The water at depths, one of each a point.

@@ -216,7 +216,10 @@ enum {
     /* Nothing is heard of the server, or it says itself that others may have changed the sea. error_m has grown by what a change to a sea no higher than this one may have made of it
      * since, begun as soon and as fast as it may; it is no bound where the sea was changed to a higher one. */
     SEAWAY_STALE = 128,
-    SEAWAY_DRY = 256 /* of seaway_below: no water there, above the surface or below the sea floor */
+    SEAWAY_DRY =
+        256, /* of seaway_below: no water there, above the surface or below the sea floor */
+    SEAWAY_FOAM_LATE =
+        512 /* of seaway_sample_water: foam is that of the nearest keyframe, which is of another time */
 };
 
 typedef struct seaway_answer {

@@ -39,11 +39,10 @@ struct Client::Again {
 };
 
 template <class Kind>
-std::optional<Kind> Client::ask_as_before(const std::optional<Kind>& kept,
-                                          std::optional<Waiter>& waiter) {
+std::optional<Kind> Client::ask_as_before(const Kept<Kind>& kept, std::optional<Waiter>& waiter) {
     const std::scoped_lock asking(asking_);
     std::unique_lock lock(mutex_);
-    const std::optional<Kind> wanted = kept;
+    const std::optional<Kind> wanted = kept.wanted();
     lock.unlock();
     if (wanted)
         ask_for(*link(), *wanted, waiter.emplace());

@@ -64,7 +64,9 @@ install(FILES ${PROJECT_BINARY_DIR}/seaway.pc DESTINATION ${libdir}/pkgconfig CO
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR Seaway)
 set(CPACK_PACKAGE_HOMEPAGE_URL "")
-set(CPACK_DEBIAN_PACKAGE_MAINTAINER "The Seaway project <seaway@localhost>")
+set(SEAWAY_PACKAGE_MAINTAINER "The Seaway project <seaway@localhost>" CACHE STRING
+  "Of the Debian packages: name and address of whoever hands them out")
+set(CPACK_DEBIAN_PACKAGE_MAINTAINER ${SEAWAY_PACKAGE_MAINTAINER})
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -98,7 +100,10 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS ${driver})
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libseaway${PROJECT_VERSION_MAJOR})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+# By these, packages of programs that are linked with it say so, and the loader's cache knows it.
+file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs
+  "libseaway ${PROJECT_VERSION_MAJOR} libseaway${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION})\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs ${control}/triggers)
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "client of a Seaway server: the water at any point
 A sea that a server computes, sampled in this process.")
 
@@ -109,9 +114,11 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "headers of Seaway's client library
 For C and C++; found by pkg-config and by CMake's find_package(seaway).")
 
+configure_file(${control}/changelog.in ${PROJECT_BINARY_DIR}/debian/changelog.Debian @ONLY)
+execute_process(COMMAND gzip -9nf ${PROJECT_BINARY_DIR}/debian/changelog.Debian COMMAND_ERROR_IS_FATAL ANY)
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   string(TOUPPER ${component} upper)
-  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}
-    RENAME copyright COMPONENT ${component})
+  install(FILES ${control}/copyright ${PROJECT_BINARY_DIR}/debian/changelog.Debian.gz
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component})
 endforeach()
 include(CPack)

@@ -141,8 +141,7 @@ class KeyframeRing {
     /// the keyframes of its cascade.
     void insert_passing(HeldKeyframePtr keyframe, sea::TimeUs now_us, sea::TimeUs interval_us);
 
-    /// The keyframes around a time, of one epoch and with at least `fields`. A time beyond those
-    /// held gives the nearest keyframe twice, not covering. Nothing if none is held.
+    /// The keyframes around a time, of one epoch and with at least `fields`. Nothing if none is held.
     std::optional<KeyframePair> around(int cascade, std::uint32_t epoch, sea::TimeUs time_us,
                                        sea::TimeUs interval_us, sea::FieldSet fields) const;
 

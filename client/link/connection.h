@@ -22,6 +22,7 @@
 #include "base/result.h"
 #include "client/held/acknowledgements.h"
 #include "client/held/tile_assembly.h"
+#include "client/link/kept.h"
 #include "client/link/message_stream.h"
 #include "client/link/requests.h"
 #include "protocol/messages.h"
@@ -182,11 +183,11 @@ class Connection {
     void take(const wire::Refused& refused);
     Result<void> take(const wire::GoAway& go_away);
     bool send(protocol::Bytes message);
+    void end_with(const Error& why, bool& was_open);
     struct Stream {
         protocol::TileWish wish;
         int credit = 0;
     };
-    void goes_on(const std::optional<Stream>& before, std::uint64_t serial);
     /// What comes is predicted from what is not here: the same subscription without predictions.
     void subscribe_unpredicted();
     /// Ends the connection where it cannot be sent.
@@ -208,8 +209,7 @@ class Connection {
     Welcome welcome_;
 
     std::recursive_mutex stream_mutex_; ///< what is refused at once is answered at once
-    std::optional<Stream> streaming_;   ///< the last one that was asked for
-    std::uint64_t stream_serial_ = 0;   ///< counts those, and ends
+    Kept<Stream> streaming_;
     std::atomic<bool> predicts_ = true;
     std::atomic<std::uint64_t> unpredicted_ = 0;
 

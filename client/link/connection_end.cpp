@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a connection ends: the server's last word, and the stream's.
+#include <new>
+
 #include <fmt/format.h>
 
 #include "client/link/connection.h"
@@ -29,17 +31,25 @@ Result<void> Connection::take(const wire::GoAway& go_away) {
 }
 
 void Connection::on_closed(const std::string& reason) {
-    const Error why = going_away_.value_or(failed(Failure::lost, reason));
     bool was_open = false;
+    try {
+        end_with(going_away_.value_or(failed(Failure::lost, reason)), was_open);
+    } catch (
+        const std::bad_alloc&) { // maybe why it ends: then in so few words that they need no memory
+        end_with(failed(Failure::lost, "no memory"), was_open);
+    }
+}
+
+void Connection::end_with(const Error& why, bool& was_open) {
     {
         const std::scoped_lock lock(opening_mutex_);
-        was_open = open_.exchange(false);
+        was_open = open_.exchange(false) || was_open;
         end_ = why;
         opening_.notify_all();
     }
     if (was_open && events_.on_closed)
         events_.on_closed(why);
-    requests_.fail_all(why); // who waits for one finds the reason known
+    requests_.fail_all(told(why, Failure::lost)); // who waits for one finds the reason known
 }
 
 } // namespace seaway::client

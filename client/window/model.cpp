@@ -42,7 +42,8 @@ std::string flags_text(std::uint32_t flags) {
         {sea::answer_exact, "exact"},
         {sea::answer_vertical_velocity, "vertical velocity alone"},
         {sea::answer_stale, "stale"},
-        {sea::answer_dry, "dry"}};
+        {sea::answer_dry, "dry"},
+        {sea::answer_foam_late, "foam late"}};
     for (const auto& [flag, name] : names)
         if ((flags & flag) != 0)
             text += (text.empty() ? "" : ", ") + std::string(name);

@@ -124,6 +124,7 @@ std::size_t Batch::grow(std::span<const NativeTask> tasks) {
         lines = std::max(lines, size * fields * 2 * line_pitch(kernels.size));
     }
     if (scratch > scratch_floats_) {
+        scratch_floats_ = 0; // should there be no memory for all of them
         scratch_.clear();
         for (int worker = 0; worker < workers_; ++worker)
             scratch_.push_back(allocate_floats(scratch));

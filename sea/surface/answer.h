@@ -40,6 +40,8 @@ enum AnswerFlag : std::uint32_t {
     answer_stale = 1u << 7,
     /// Asked about the water at a depth: there is none, above the surface or below the sea floor.
     answer_dry = 1u << 8,
+    /// Of a client that is asked for foam: it is that of the nearest keyframe, which is of another time.
+    answer_foam_late = 1u << 9,
 };
 
 /// Which waves count. A hull that is L long does not feel waves that are much shorter.

@@ -111,8 +111,11 @@ struct Surface::AtTime {
         for (std::size_t c = 0; c < surface.error_.cascades.size(); ++c) {
             const SplinePair& pair = surface.pairs_[c];
             const double interval = interval_s(pair);
-            const double share =
-                interval > 0 ? seconds_from_us(time - pair.before->time_us()) / interval : 0.0;
+            const double since = seconds_from_us(time - pair.before->time_us());
+            // Of one map alone the interval is not known, but how long it runs on.
+            double share = since == 0 ? 0.0 : 1 + std::abs(since) / hermite_beyond_alone_s;
+            if (interval > 0)
+                share = since / interval;
             const CascadeLoss& loss = surface.error_.cascades[c];
             losses[c] = {loss.height.at(share, sheets.weights(c)),
                          loss.displacement.at(share, sheets.weights(c)),

@@ -2,7 +2,9 @@
 #include "server/net/deliveries.h"
 
 #include <algorithm>
+#include <new>
 
+#include "base/undo.h"
 #include "server/net/core.h"
 #include "server/net/session.h"
 
@@ -39,6 +41,14 @@ void Deliveries::add(Delivery keyframe) {
 void Deliveries::turn() {
     if (waiting_.empty())
         return;
+    const Undo asks_again(
+        [this] { // by an exception, too, which is of one session: the others have theirs all the same
+            try {
+                if (!waiting_.empty())
+                    core_.turns.first([this] { turn(); });
+            } catch (const std::bad_alloc&) { // Turns has it
+            }
+        });
     const Delivery streamed = waiting_.front();
     const int threads = core_.senders.threads();
     bool all = false;
@@ -58,8 +68,6 @@ void Deliveries::turn() {
         last_ = 0;
         close_who_is_furthest_behind(core_);
     }
-    if (!waiting_.empty())
-        core_.turns.first([this] { turn(); });
 }
 
 } // namespace seaway::server

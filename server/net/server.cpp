@@ -169,7 +169,10 @@ class NetServer::Impl {
             return Clock::now() - *asked_;
         asked_.reset();
         answered_ = false;
-        asio::post(io_, [this] { answered_ = true; });
+        asio::post(io_, [this] {
+            answered_ = true;
+            core_->turns.go_on();
+        });
         asked_ = Clock::now(); // not where there was no memory to ask
         return {};
     }

@@ -16,6 +16,11 @@ void Turns::later(Work work) {
     ask_for_one();
 }
 
+void Turns::go_on() {
+    if (first_ || !waiting_.empty())
+        ask_for_one();
+}
+
 void Turns::clear() {
     first_ = nullptr;
     waiting_.clear();
@@ -38,9 +43,8 @@ void Turns::turn() {
         ~Ends() {
             try {
                 turns.asked_ = false;
-                if (turns.first_ || !turns.waiting_.empty())
-                    turns.ask_for_one();
-            } catch (const std::bad_alloc&) { // whoever comes next asks
+                turns.go_on();
+            } catch (const std::bad_alloc&) { // whoever comes next asks, or the server's watch
             }
         }
     } const ends{*this};

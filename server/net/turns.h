@@ -27,10 +27,12 @@ class Turns {
         : post_(std::move(post)), now_(std::move(now)) {}
 
     /// In the next turn, before all else; there is one of it at a time. Throws std::bad_alloc, as later() does, where there is no
-    /// memory for a turn: what waits has it with the next one that is asked for.
+    /// memory for a turn: what waits has it with the next one that is asked for (go_on()).
     void first(Work work);
     /// In one of the next turns, after those that came before.
     void later(Work work);
+    /// A turn for what waits, if there was no memory for one.
+    void go_on();
     /// Who is at work has been for long enough.
     bool over() const { return now_() >= begun_ + length; }
     /// What waits is never done.

@@ -197,6 +197,39 @@ TEST(Foam, that_was_subscribed_to_alone_has_its_maps) {
     EXPECT_EQ(get(), SEAWAY_NOT_HELD) << "of which nothing came";
 }
 
+// Naive: foam that is not of that time makes the whole answer one without keyframes, which a client that has lost its server
+// refuses. Heights follow from waves at any time.
+TEST(Foam, of_another_time_is_told_of_and_takes_nothing_from_the_heights) {
+    FoamAlone sea;
+    const auto net = tests::serve(sea);
+    Sea client(net->url());
+    seaway_wish alone = SEAWAY_SIZED(seaway_wish);
+    alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
+    const sea::TimeUs now_us = sea.sea_time_us();
+    ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK);
+    seaway_subscription spectrum{};
+    spectrum.rung = SEAWAY_SPECTRUM;
+    client.subscribe(spectrum);
+    const seaway_point point{1, 2, now_us + 60'000'000};
+    seaway_water water{};
+    const auto look = [&](const seaway_looking* looking) {
+        EXPECT_EQ(seaway_sample_water(client.handle(), looking, &point, 1, &water, sizeof water),
+                  SEAWAY_OK)
+            << seaway_last_error();
+        EXPECT_TRUE(std::isfinite(water.foam));
+        return water.answer.flags;
+    };
+    seaway_looking flat = SEAWAY_SIZED(seaway_looking);
+    flat.min_wavelength_m = 1e6;
+    constexpr std::uint32_t late = SEAWAY_FOAM_LATE, stale = SEAWAY_STALE;
+    EXPECT_EQ(look(nullptr), late);
+    EXPECT_EQ(look(&flat), late);
+    net->stop();
+    ASSERT_TRUE(eventually([&] { return client.status().state != SEAWAY_CONNECTED; }));
+    EXPECT_EQ(look(nullptr), late | stale);
+    EXPECT_EQ(look(&flat), late | stale);
+}
+
 TEST_F(Engine, says_what_a_time_would_be_answered_from_and_why) {
     Sea client(net->url());
     seaway_source source = SEAWAY_SIZED(seaway_source);
@@ -215,6 +248,8 @@ TEST_F(Engine, says_what_a_time_would_be_answered_from_and_why) {
     EXPECT_NE(refusal(seaway_rebuild(client.handle(), asked_us), SEAWAY_NOT_HELD).find("no scene"),
               std::string::npos);
     EXPECT_EQ(from(), static_cast<std::uint32_t>(SEAWAY_FROM_SPECTRUM));
+    for (const std::int64_t never_us : {INT64_MIN, INT64_MAX, sea::time_us_max + 1})
+        EXPECT_EQ(seaway_get_source(client.handle(), never_us, &source), SEAWAY_BAD_ARGUMENT);
 }
 
 } // namespace

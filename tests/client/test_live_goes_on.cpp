@@ -300,59 +300,6 @@ TEST(OnTheWayBack, what_was_subscribed_to_last_is_what_comes) {
     }
 }
 
-/// Keyframes come when the test lets them.
-class SlowTiles : public tests::WaveSea {
-  public:
-    std::atomic<bool> held_back = false;
-    std::atomic<int> asked = 0;
-
-    void fetch(server::FetchRequest request, Fetched done) override {
-        if (held_back) {
-            const std::scoped_lock lock(mutex_);
-            waiting_.emplace_back(std::move(request), std::move(done));
-            ++asked;
-            return;
-        }
-        WaveSea::fetch(std::move(request), std::move(done));
-    }
-    void let_go() {
-        held_back = false;
-        const std::scoped_lock lock(mutex_);
-        for (auto& [request, done] : waiting_)
-            WaveSea::fetch(std::move(request), std::move(done));
-        waiting_.clear();
-    }
-
-  private:
-    std::mutex mutex_;
-    std::vector<std::pair<server::FetchRequest, Fetched>> waiting_;
-};
-
-// It waits for its turn behind a fetch, and is said to the server after the end that was meant for it.
-TEST(Unsubscribing, ends_what_has_not_been_asked_for_yet) {
-    SlowTiles sea;
-    const auto net = tests::serve(sea);
-    const auto client = Client::connect({.url = net->url()});
-    ASSERT_TRUE(client) << client.error().message;
-    sea.held_back = true;
-    auto held = std::async(std::launch::async, [&] {
-        const sea::TimeUs time_us = 5'010'000;
-        return (*client)->hold({&time_us, 1}, 60).has_value();
-    });
-    EXPECT_TRUE(eventually([&] { return sea.asked == 1; }));
-    auto subscribed = std::async(std::launch::async, [&] {
-        return (*client)->subscribe({.fields = sea::surface_fields}, 2, 60).has_value();
-    });
-    // Nothing outside shows that it waits: it is some microseconds away.
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    (*client)->unsubscribe();
-    sea.let_go();
-    EXPECT_TRUE(held.get());
-    EXPECT_TRUE(subscribed.get());
-    EXPECT_TRUE(eventually([&] { return sea.subscriptions().size() == 0; }));
-    EXPECT_FALSE((*client)->grant());
-}
-
 // The end may come before connect() has handed the client over: it is told once all the same.
 TEST_F(LiveGoesOn, a_line_that_breaks_behind_the_first_sea_is_told_once) {
     for (int i = 0; i < 200; ++i) {

@@ -6,6 +6,7 @@
 As root in a chroot made of what this machine has installed (throwaway_root.py): no network, and what a package
 does not say it needs is not there. Who is not root has the packages built and read, and is told what was not tried.
 """
+import gzip
 import pathlib
 import re
 import shutil
@@ -60,6 +61,37 @@ class Packages(unittest.TestCase):
         for package in PACKAGES:
             for line in self.contents(package).splitlines():
                 self.assertRegex(line, r" root/root .* \./(?:usr/|etc/|$|etc$|usr$)", "belongs to root, below usr or etc")
+
+    def test_each_says_whose_it_is_and_since_when(self):
+        for package in PACKAGES:
+            documents = self.unpacked(package) / "usr/share/doc" / package
+            changes = gzip.decompress((documents / "changelog.Debian.gz").read_bytes()).decode()
+            self.assertTrue(changes.startswith(f"seaway ({self.field(package, 'Version')}) "), changes)
+            self.assertIn(f"\n -- {self.field(package, 'Maintainer')}  ", changes)
+            rights = (documents / "copyright").read_text()
+            for stated in ("/usr/share/common-licenses/Apache-2.0", "MetOcean Solutions Ltd", "Permission is hereby granted"):
+                self.assertIn(stated, rights)
+
+    def test_who_is_linked_with_the_library_needs_its_package(self):
+        """By dpkg-shlibdeps, as a package of another program is made."""
+        library = self.unpacked("libseaway0") / "usr/lib"
+        folder = pathlib.Path(self.folder.name)
+        control = folder / "other/debian/control"
+        control.parent.mkdir(parents=True)
+        control.write_text("Source: boats\n\nPackage: boats\nArchitecture: any\n")
+        (folder / "other/DEBIAN").mkdir()
+        (shlibs := folder / "other/debian/shlibs.local").write_text(
+            said("dpkg-deb", "-I", self.files["libseaway0"], "shlibs"))
+        found = subprocess.run(["dpkg-shlibdeps", "-O", f"-L{shlibs}", f"-l{next(library.glob('*/'))}", "-e", BUILD / "bin/example_buoy"],
+                               cwd=folder / "other", capture_output=True, text=True)
+        self.assertIn(f"libseaway0 (>= {self.field('libseaway0', 'Version').split('-')[0]})", found.stdout, found.stderr)
+        self.assertEqual(said("dpkg-deb", "-I", self.files["libseaway0"], "triggers"), "activate-noawait ldconfig\n")
+
+    def unpacked(self, package):
+        folder = pathlib.Path(self.folder.name) / package
+        if not folder.exists():
+            said("dpkg-deb", "-x", self.files[package], folder)
+        return folder
 
     def test_it_installs_works_and_goes_in_a_bare_root(self):
         refusal = throwaway_root.refusal()

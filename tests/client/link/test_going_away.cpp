@@ -24,6 +24,20 @@ TEST_F(GoingAway, a_server_that_stops_says_for_how_long_nobody_should_come) {
     EXPECT_NE(lost.find("shutting_down"), std::string::npos) << lost;
 }
 
+// Naive: that to come again makes no sense, which is the client's own affair, and a program is told of a bug.
+TEST_F(GoingAway, who_waits_for_an_answer_of_a_server_that_drops_him_has_lost_it) {
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    Failure told = Failure::none;
+    const sea::QueryPoint point{0, 0, 0};
+    (*connection)->query({&point, 1}, false, 100, [&](const Result<Reply>& reply) {
+        told = reply ? Failure::none : failure_of(reply.error());
+    });
+    server.send(protocol::go_away(wire::ErrorCode::dropped, "by an administrator", 0));
+    server.end("closed");
+    EXPECT_EQ(told, Failure::lost);
+}
+
 TEST_F(GoingAway, a_server_that_stops_turns_newcomers_away_with_the_same_word) {
     server.on_message = [this](const wire::Message&) {
         server.send(protocol::go_away(wire::ErrorCode::shutting_down, "the server stops", 2500));

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <new>
 #include <numeric>
 #include <thread>
 
@@ -12,6 +14,7 @@
 
 #include "sea/native/native_transform.h"
 #include "tests/sea/native/random_modes.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::sea::native {
 namespace {
@@ -143,6 +146,39 @@ TEST(Batch, threads_that_lose_their_core_change_nothing) {
                     << "empty cascades " << empty << ", " << held << " buffers, delays " << seed;
             }
     }
+}
+
+// Naive: what is let go of to make room for a larger task is still taken to be there.
+TEST(Batch, that_has_no_memory_for_a_larger_task_does_the_smaller_ones_as_before) {
+    const NativeTransform small = *NativeTransform::create(random_modes(64, 20, 1), {});
+    const NativeTransform large = *NativeTransform::create(random_modes(512, 20, 2), {});
+    const auto planes_of = [](const NativeTransform& cascade) {
+        return std::vector<float>(
+            static_cast<std::size_t>(fields.size() * cascade.size() * cascade.size()));
+    };
+    std::vector<float> expected = planes_of(small), planes = planes_of(large);
+    NativeRunner(1).run(std::vector<NativeTask>{{&small, 5, fields, expected}});
+    std::size_t refused = 0;
+    for (std::size_t after = 0;; ++after) {
+        NativeRunner runner(2);
+        std::vector<float> again = planes_of(small);
+        runner.run(std::vector<NativeTask>{{&small, 5, fields, again}});
+        const std::vector<NativeTask> more{{&large, 5, fields, planes}};
+        bool all = true;
+        try {
+            const tests::NoMemoryOnce none(after);
+            runner.run(more);
+        } catch (const std::bad_alloc&) {
+            all = false;
+            ++refused;
+        }
+        std::fill(again.begin(), again.end(), NAN);
+        runner.run(std::vector<NativeTask>{{&small, 5, fields, again}});
+        EXPECT_EQ(again, expected) << after;
+        if (all)
+            break;
+    }
+    EXPECT_GE(refused, 4u) << "scratch of two workers, and two buffers of lines";
 }
 
 } // namespace

@@ -121,6 +121,27 @@ TEST_F(Terms, of_time_alone_are_true_at_grid_points) {
         [](const ErrorTerms& terms) { return terms.time_m; });
 }
 
+// Naive: between one keyframe and itself no time has passed, whatever the time is.
+TEST_F(Terms, of_one_keyframe_alone_grow_with_the_time_from_it) {
+    const KeyframePtr one = tests::exact_keyframe(sea, 0, 0);
+    std::vector<QueryPoint> points;
+    for (const TimeUs time_us : {0, 20'000, 50'000, 100'000, 1'000'000})
+        points.push_back({3, 4, time_us});
+    const Found after = ask(surface(one, one, map_error(budget, 0)), points);
+    const Found between = ask(exact(), {{3, 4, interval_us / 2}});
+    EXPECT_EQ(after.terms[0].time_m, 0);
+    for (std::size_t i = 1; i < 4; ++i)
+        EXPECT_GT(after.terms[i].time_m, after.terms[i - 1].time_m) << i;
+    EXPECT_GT(after.terms[3].time_m, 3 * between.terms[0].time_m);
+    EXPECT_EQ(after.terms[4].time_m, after.terms[3].time_m)
+        << "where it stands it is off by no more";
+    for (QueryPoint& point : points)
+        point.time_us *= -1;
+    const Found before = ask(surface(one, one, map_error(budget, 0)), points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ(before.terms[i].time_m, after.terms[i].time_m) << i;
+}
+
 TEST_F(Terms, of_space_alone_are_true_at_the_time_of_a_keyframe) {
     std::vector<QueryPoint> points;
     std::mt19937 random(4);

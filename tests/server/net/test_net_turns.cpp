@@ -191,6 +191,18 @@ TEST_F(TurnsAlone, whom_memory_fails_takes_nobody_elses_turn) {
     turns.later(takes(1, 'c'));
     EXPECT_EQ(one(), "b");
     EXPECT_EQ(one(), "c");
+    turns.later([&] {
+        takes(1, 'd')();
+        no_memory = true; // for the turn after this one
+    });
+    turns.later(takes(1, 'e'));
+    EXPECT_EQ(one(), "d");
+    no_memory = false;
+    EXPECT_EQ(one(), "none");
+    turns.go_on();
+    EXPECT_EQ(one(), "e") << "which the server's watch sees to";
+    turns.go_on();
+    EXPECT_EQ(one(), "none") << "nothing waits";
     turns.later(takes(1, 'd'));
     turns.clear();
     EXPECT_EQ(one(), "");

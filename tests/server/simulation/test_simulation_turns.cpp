@@ -244,7 +244,8 @@ TEST(Turns, a_keyframe_with_fewer_fields_that_is_made_later_replaces_none_with_m
     EXPECT_TRUE(more.get_future().get());
     std::future<bool> less_made = less.get_future();
     // Where the walk is slow: what is used is not let go of.
-    while (less_made.wait_for(std::chrono::milliseconds(trim_interval) / 2) == std::future_status::timeout)
+    while (less_made.wait_for(std::chrono::milliseconds(trim_interval) / 2) ==
+           std::future_status::timeout)
         EXPECT_FALSE(bench.fetch_current({1u, heights}).empty());
     EXPECT_TRUE(less_made.get());
     EXPECT_TRUE(more_was_first) << "one walk is shorter than two";

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is wanted of a server, whatever the order of its replies.
+#include "client/link/kept.h"
+
+#include <gtest/gtest.h>
+
+namespace seaway::client {
+namespace {
+
+const Error refused = failed(Failure::refused, "no");
+
+TEST(Kept, is_the_last_wish_and_where_that_is_refused_the_last_that_was_granted) {
+    Kept<int> kept;
+    EXPECT_FALSE(kept.wanted());
+    const auto first = kept.ask(1);
+    EXPECT_EQ(kept.wanted(), 1) << "before it is granted, for a connection that ends meanwhile";
+    kept.granted(first, 1);
+    kept.failed(kept.ask(2), refused);
+    EXPECT_EQ(kept.wanted(), 1);
+    kept.failed(kept.ask(3), failed(Failure::lost, "gone"));
+    EXPECT_EQ(kept.wanted(), 1);
+}
+
+// Naive: each remembers what was wanted before it, and who fails last puts back what was never granted.
+TEST(Kept, of_two_that_are_both_refused_neither_stays) {
+    for (const bool older_first : {false, true}) {
+        Kept<int> kept;
+        kept.granted(kept.ask(1), 1);
+        const auto two = kept.ask(2), three = kept.ask(3);
+        kept.failed(older_first ? two : three, refused);
+        kept.failed(older_first ? three : two, refused);
+        EXPECT_EQ(kept.wanted(), 1) << older_first;
+    }
+}
+
+TEST(Kept, who_comes_after_one_that_is_refused_is_wanted_whichever_reply_is_first) {
+    for (const bool refusal_first : {false, true}) {
+        Kept<int> kept;
+        kept.granted(kept.ask(1), 1);
+        const auto two = kept.ask(2), three = kept.ask(3);
+        if (refusal_first)
+            kept.failed(three, refused);
+        kept.granted(two, 2);
+        if (!refusal_first)
+            kept.failed(three, refused);
+        EXPECT_EQ(kept.wanted(), 2) << refusal_first;
+    }
+}
+
+// Naive: no reply is a refusal. The server may have granted it, and streams.
+TEST(Kept, what_was_not_answered_in_time_stays_wanted) {
+    Kept<int> kept;
+    kept.granted(kept.ask(1), 1);
+    kept.failed(kept.ask(2), failed(Failure::deadline, "late"));
+    EXPECT_EQ(kept.wanted(), 2);
+}
+
+TEST(Kept, after_an_end_nothing_is_wanted_that_was_asked_for_before) {
+    Kept<int> kept;
+    const auto one = kept.ask(1);
+    kept.end();
+    kept.granted(one, 1);
+    EXPECT_FALSE(kept.wanted());
+    kept.failed(kept.ask(2), refused);
+    EXPECT_FALSE(kept.wanted());
+}
+
+} // namespace
+} // namespace seaway::client
