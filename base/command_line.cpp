@@ -166,7 +166,15 @@ Result<void> CommandLine::add_words_of_file(std::vector<std::string>& words) con
         if (!more)
             return Error{fmt::format("{}:{}: {}: {}", path, option.line, printable(option.name),
                                      more.error().message)};
-        if (std::ranges::none_of(words, [&](const std::string& word) { return gives(word, name); }))
+        const auto is_given = [&words](const std::string& given) {
+            return std::ranges::any_of(words,
+                                       [&](const std::string& word) { return gives(word, given); });
+        };
+        const bool gives_way = is_given(name) || std::ranges::any_of(same_, [&](const auto& two) {
+                                   return (two.first == name && is_given(two.second)) ||
+                                          (two.second == name && is_given(two.first));
+                               });
+        if (!gives_way)
             added.insert(added.end(), more->begin(), more->end());
     }
     words.insert(words.begin(), added.begin(), added.end());

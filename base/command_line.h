@@ -14,6 +14,7 @@
 #include <initializer_list>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -68,6 +69,10 @@ class CommandLine {
     /// `name` FILE: options from a file (base/options_file.h), where the line does not say otherwise. What no
     /// option has the name of, a value of another kind and a file that is none are errors that name file and line.
     void file_of_options(const std::string& name, const std::string& help);
+    /// Two options say one thing: a file's value of either gives way to what the line says of the other, too.
+    void say_the_same(const std::string& name, const std::string& other) {
+        same_.emplace_back(name, other);
+    }
     /// Which one was given; empty: none.
     const std::string& given_file_of_options() const { return file_; }
 
@@ -94,6 +99,7 @@ class CommandLine {
     CLI::App* app_;
     std::vector<std::unique_ptr<CommandLine>> commands_;
     std::string file_of_options_; ///< the option that names it; empty: there is none
+    std::vector<std::pair<std::string, std::string>> same_;
     std::string file_;
 };
 

@@ -119,7 +119,7 @@ class Client {
     std::optional<Grant> grant() const;
 
     /// Has the waves themselves sent, of the sea that runs and of every later one: some 60 KB each, then nothing;
-    /// points are answered from them at any time, from the first of them on with what is still missed in
+    /// points are answered from them at any time (of the seas that it was told of), from the first of them on with what is still missed in
     /// `error_m`. Blocks until all of the present have come and agree with the server's probes. Errors:
     /// refused, and not_held for a sea that is another than the one announced.
     Result<protocol::SpectrumGrant> subscribe_spectrum(const protocol::SpectrumWish& wish,
@@ -296,11 +296,13 @@ class Client {
 
     /// mutex_ held. Is nothing heard of the server, or of it that it is not sure of its sea?
     bool silent(LocalUs now_us) const;
-    /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to
-    /// send some.
-    bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                    std::span<sea::ErrorTerms> terms = {},
+    /// Flags what the server may know more about, and times before `told_from_us`. False: an answer is of no keyframes, and no
+    /// server is there to send some.
+    bool mark_stale(sea::TimeUs told_from_us, std::span<const sea::QueryPoint> points,
+                    std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {},
                     std::span<double> moved_off_m = {}) const;
+    /// The seas before that time are not known: from waves it is answered as well as can be. To be read before answers are made.
+    sea::TimeUs told_from_us() const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
     /// By the earliest beginning of those that contain it. `moved_off_m`: added to, the same of a component of the displacement.

@@ -393,8 +393,14 @@ bool Client::silent(LocalUs now_us) const {
     return joining_->end || unsure_ || now_us - heard_at_us_ > silent_us;
 }
 
-bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms, std::span<double> moved_off_m) const {
+TimeUs Client::told_from_us() const {
+    const std::scoped_lock lock(mutex_);
+    return sea_states_.front()->start_time_us;
+}
+
+bool Client::mark_stale(TimeUs told_from_us, std::span<const sea::QueryPoint> points,
+                        std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
+                        std::span<double> moved_off_m) const {
     std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
     bool nothing_comes = false;
     {
@@ -409,6 +415,9 @@ bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::
         }))
         return false;
     mark(unheard, points, answers, terms, moved_off_m);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i].time_us < told_from_us)
+            answers[i].flags |= sea::answer_extrapolated;
     return true;
 }
 

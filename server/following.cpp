@@ -2,14 +2,13 @@
 #include "server/following.h"
 
 #include <cmath>
-#include <set>
-#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "sea/basics/time.h"
+#include "server/scene_difference.h"
 
 namespace seaway::server {
 
@@ -97,20 +96,22 @@ std::string Following::metrics() const {
 
 namespace {
 
-/// Lines of a scene that another has not, some of them.
-std::vector<std::string> new_lines(const std::string& before, const std::string& after) {
+/// What a scene says other than another, some of it.
+std::vector<std::string> some_differences(const std::string& before, const std::string& after) {
     constexpr std::size_t lines_max = 4;
     constexpr std::size_t line_bytes_max =
         240; // of a table; all of an answer has administered_bytes_max
-    std::set<std::string> held;
-    std::istringstream old(before), now(after);
-    for (std::string line; std::getline(old, line);)
-        held.insert(line);
+    const std::vector<SceneDifference> all = scene_differences(before, after);
     std::vector<std::string> lines;
-    for (std::string line; lines.size() < lines_max && std::getline(now, line);)
-        if (!held.contains(line))
-            lines.push_back(line.size() > line_bytes_max ? line.substr(0, line_bytes_max) + "..."
-                                                         : line);
+    for (const SceneDifference& one : all) {
+        if (lines.size() == lines_max) {
+            lines.push_back(fmt::format("and {} more", all.size() - lines_max));
+            break;
+        }
+        const std::string line = one.after ? one.path + " = " + *one.after : "no " + one.path;
+        lines.push_back(line.size() > line_bytes_max ? line.substr(0, line_bytes_max) + "..."
+                                                     : line);
+    }
     return lines;
 }
 
@@ -127,12 +128,13 @@ std::string history_json(const std::vector<SeaChange>& changes, std::uint32_t fr
                               {"pace", change.pace->permille / static_cast<double>(sea::pace_unit)},
                               {"lapsed", change.lapsed}});
         if (!change.pace && wanted)
-            listed.push_back({{"change", change.epoch},
-                              {"start_s", sea::seconds_from_us(change.start_us)},
-                              {"end_s", sea::seconds_from_us(change.end_us)},
-                              {"lapsed", change.lapsed},
-                              {"differs", change.epoch == 1 ? std::vector<std::string>{}
-                                                            : new_lines(before, change.scene)}});
+            listed.push_back(
+                {{"change", change.epoch},
+                 {"start_s", sea::seconds_from_us(change.start_us)},
+                 {"end_s", sea::seconds_from_us(change.end_us)},
+                 {"lapsed", change.lapsed},
+                 {"differs", change.epoch == 1 ? std::vector<std::string>{}
+                                               : some_differences(before, change.scene)}});
         if (!change.pace && !change.lapsed)
             before = change.scene;
     }

@@ -87,6 +87,7 @@ void journal_options(CommandLine& line, JournalPlace& journal, std::string& data
         .takes("DIR|nats://HOST:PORT/WORLD");
     line.option("--data-dir", data_dir, "The same for a folder, made where it is missing")
         .takes("DIR");
+    line.say_the_same("--journal", "--data-dir");
     line.option("--journal-credentials", journal.credentials_file,
                 "File that lets it into NATS: credentials (.creds), or a line, USER:PASSWORD or a "
                 "token")

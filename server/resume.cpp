@@ -1,26 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/resume.h"
 
-#include <sstream>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include "server/scene_difference.h"
 
 namespace seaway::server {
 namespace {
 
-/// The first line in which two effective scenes differ, for people.
+/// What two scenes first differ in, for people.
 std::string difference(const std::string& held, const std::string& given) {
-    std::istringstream a(held), b(given);
-    std::string held_line, given_line;
-    while (true) {
-        const bool more_held = static_cast<bool>(std::getline(a, held_line));
-        const bool more_given = static_cast<bool>(std::getline(b, given_line));
-        const std::string ends = "(the end)";
-        if (!more_held || !more_given || held_line != given_line)
-            return fmt::format("it holds `{}`, the scene says `{}`", more_held ? held_line : ends,
-                               more_given ? given_line : ends);
-    }
+    const std::vector<SceneDifference> all = scene_differences(held, given);
+    if (all.empty()) // the same values in another order
+        return "its text is another";
+    const SceneDifference& first = all.front();
+    const auto says = [](const std::optional<std::string>& value) {
+        return value ? "`" + *value + "`" : "nothing of it";
+    };
+    return fmt::format("of {} it holds {}, the scene says {}", first.path, says(first.before),
+                       says(first.after));
 }
 
 /// Scenes are compared as they are read: a version that writes more keys reads the old text as before.

@@ -79,7 +79,12 @@ sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, double z_m,
 
 Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea) {
     if (state.probes.empty())
-        return failed(Failure::not_held, "the server sent no probes to know a rebuilt sea by");
+        return failed(Failure::not_held,
+                      state.glide ? fmt::format("the sea changes until {:g} s, and no probes tell "
+                                                "whether one that is made from its scene "
+                                                "is the same: take its waves or its tiles",
+                                                sea::seconds_from_us(state.glide->end_us))
+                                  : "the server sent no probes to know a rebuilt sea by");
     const sea::ProbeDifference off = sea::compare(sea.sum(), state.probes);
     const double height_m = sea.error().height_m + state.probe_error_m;
     const double displacement_m = sea.error().displacement_m + state.probe_error_m;

@@ -2,7 +2,11 @@
 #include "sea/scene/weather.h"
 
 #include <algorithm>
+#include <charconv>
 #include <iterator>
+#include <set>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -32,6 +36,37 @@ std::vector<std::string> keys_replaced_by(const std::string& path) {
         if (key == a || key == b)
             replaced.push_back(path.substr(0, at).append(key == a ? b : a));
     return replaced;
+}
+
+/// The effective text with all tables that a path may lead to: one is not written while it says nothing.
+std::string text_with_tables(const Scene& scene, std::span<const TomlAssignment> values) {
+    std::string text = to_toml(scene);
+    const bool sets_water = std::ranges::any_of(
+        values, [](const TomlAssignment& value) { return value.path.starts_with("water."); });
+    if (sets_water && scene.water == Water{})
+        text += "\n[water]\n";
+    return text;
+}
+
+/// What is wrong with a changed scene, in the words of who changed it: without a line of a text that nobody has, and systems by
+/// their paths, which count from 0.
+std::string as_asked(std::string why, const std::string& name) {
+    if (why.starts_with(name + ":"))
+        why.erase(0, name.size() + 1);
+    if (const std::size_t digits = why.find_first_not_of("0123456789");
+        digits != std::string::npos && digits > 0 && why[digits] == ':')
+        why.erase(0, digits + 1);
+    why.erase(0, why.find_first_not_of(' '));
+    constexpr std::string_view counted = "sea.system[";
+    for (std::size_t at = 0; (at = why.find(counted, at)) != std::string::npos; ++at) {
+        const std::size_t first = at + counted.size();
+        int number = 0;
+        const auto [end, fault] = std::from_chars(&why[first], why.data() + why.size(), number);
+        if (fault == std::errc{} && *end == ']')
+            why.replace(at, static_cast<std::size_t>(end - why.data()) + 1 - at,
+                        fmt::format("sea.system.{}", number - 1));
+    }
+    return why;
 }
 
 bool same_cascades(const Scene& a, const Scene& b) {
@@ -77,16 +112,23 @@ Result<Scene> changed(const Scene& scene, std::span<const TomlAssignment> values
     still.weather.clear();
     std::vector<TomlAssignment> whole(values.begin(), values.end());
     std::vector<std::string> replaced;
+    std::set<std::string> set;
     for (TomlAssignment& value : whole) {
         value.path = whole_path(value.path);
+        if (!set.insert(value.path).second)
+            return Error{fmt::format("{}: is set twice", value.path)};
         if (value.path == "weather" || value.path.starts_with("weather."))
             return Error{
                 fmt::format("{}: a change is of the sea, not of its timetable", value.path)};
         std::ranges::move(keys_replaced_by(value.path), std::back_inserter(replaced));
     }
     SEAWAY_TRY_LET(const std::string text,
-                   with_toml_values(to_toml(still), scene.source, whole, replaced));
-    SEAWAY_TRY_LET(Scene next, parse_scene(text, scene.source + " as changed", scene.folder));
+                   with_toml_values(text_with_tables(still, whole), scene.source, whole, replaced));
+    const std::string name = scene.source + " as changed";
+    Result<Scene> read = parse_scene(text, name, scene.folder);
+    if (!read)
+        return Error{as_asked(read.error().message, name)};
+    Scene next = *std::move(read);
     next.source = scene.source;
     SEAWAY_TRY(check_glide(scene, next));
     return next;

@@ -220,7 +220,7 @@ TEST(Foam, of_another_time_is_told_of_and_takes_nothing_from_the_heights) {
         return water.answer.flags;
     };
     seaway_looking flat = SEAWAY_SIZED(seaway_looking);
-    flat.min_wavelength_m = 1e6;
+    flat.cascades = 1u << 7; // which this sea has not
     constexpr std::uint32_t late = SEAWAY_FOAM_LATE, stale = SEAWAY_STALE;
     EXPECT_EQ(look(nullptr), late);
     EXPECT_EQ(look(&flat), late);

@@ -49,13 +49,13 @@ TEST_F(LiveSameSea, a_server_that_does_not_know_the_sea_that_should_run_has_anot
 
 // What it does not know of cannot have been taken back: its log has not been heard since before.
 TEST_F(LiveSameSea, a_server_that_lags_behind_its_log_is_not_taken_for_another) {
+    sea.told_from_us = -60'000'000;
     for (const bool lags : {true, false}) {
         sea.told_epoch = sea.epoch + 2;
         sea.unsure_us = 0;
         const auto client = Client::connect({.url = url});
         ASSERT_TRUE(client) << client.error().message;
         sea.told_epoch = sea.epoch;
-        // Its seas begin at minus a minute.
         sea.unsure_us = lags ? sea.sea_time_us() + 120'000'000 : 0;
         line->cut();
         ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));

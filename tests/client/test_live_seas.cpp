@@ -65,6 +65,23 @@ TEST_F(LiveSeas, each_runs_from_its_start_to_the_start_of_the_next_in_whatever_o
     EXPECT_EQ(epoch_at(150), 11u);
 }
 
+// Naive: before the first sea that a newcomer is told of ran that one, and its waves have their bound there.
+TEST_F(LiveSeas, before_all_that_a_client_was_told_of_waves_have_no_bound) {
+    constexpr sea::TimeUs start_us = -60'000'000;
+    sea.told_from_us = start_us;
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    ASSERT_TRUE(client->subscribe_spectrum({}, 30));
+    for (const auto& [time_us, flags] :
+         {std::pair(start_us - 1, unsigned{sea::answer_extrapolated}), {start_us, 0u}}) {
+        const sea::QueryPoint point{3, 4, time_us};
+        EXPECT_EQ(client->sample({&point, 1}).value()[0].flags, flags);
+        EXPECT_EQ(client->look({&point, 1}, {}).value()[0].answer.flags, flags);
+        constexpr double deep_m = -5;
+        EXPECT_EQ(client->below({&point, 1}, {&deep_m, 1}, {}).value().answers[0].flags, flags);
+    }
+}
+
 // Naive: in order of their starts, one that was to come later takes over from the one that took over from it.
 TEST_F(LiveSeas, a_later_one_takes_over_from_those_that_were_to_begin_after_it) {
     const auto client = connect();

@@ -146,7 +146,7 @@ class WaveSea : public server::Host {
                                       .k_hi_radpm = sea_->cascades[c].band.k_hi_radpm,
                                       .interval_us = wave_intervals_us[c]});
         state.height_error_m = 0.01;
-        state.start_time_us = -60'000'000;
+        state.start_time_us = told_from_us;
         state.requested = {2.5, 9.5, 7.75, 8.25, 260, 31, 0.02};
         state.realised = {2.42, 9.25, 7.5, 8, 247, 29, 0.019};
         // Waves of at most 3 lattice steps on 32 points miss 2 (3/32)^4 of 1.2 m in space, and
@@ -240,6 +240,7 @@ class WaveSea : public server::Host {
     }
     std::function<void(sea::WaveBlock&)> spectrum_change = {};
     std::atomic<std::uint32_t> told_epoch = epoch; ///< of the sea that runs
+    sea::TimeUs told_from_us = -sea::time_us_max;  ///< the start of that, before anybody connects
     std::atomic<sea::TimeUs> unsure_us = 0;        ///< for how long it has doubted it
     std::optional<sea::Pace> told_pace = {};       ///< that holds; set while nobody connects
 

@@ -10,6 +10,7 @@
 #include "gpu/device_info.h"
 #include "server/devices.h"
 #include "server/options.h"
+#include "tests/support/folder.h"
 
 namespace seaway::server {
 namespace {
@@ -100,6 +101,22 @@ TEST(ServerOptions, a_journal_by_its_older_name_keeps_what_else_is_said_of_it) {
     EXPECT_EQ(journal.tls_ca_file, "ca.pem");
     EXPECT_EQ(journal.credentials_file, "who");
     EXPECT_EQ(journal.replicas, 3);
+}
+
+// Naive: that there are two is looked at when file and line are one list of words.
+TEST(ServerOptions, a_journal_of_the_command_line_wins_over_that_of_a_file_whatever_it_is_called) {
+    const std::string file = tests::folder().write("journal.toml", "data-dir = \"/of/the/file\"\n");
+    const std::string other = tests::folder().write("other.toml", "journal = \"/of/the/file\"\n");
+    for (const std::string& config : {file, other})
+        for (const char* name : {"--journal", "--data-dir"}) {
+            const auto read = options_of({"a.toml", "--config", config, name, "/of/the/line"});
+            ASSERT_TRUE(std::holds_alternative<Options>(read)) << config << ' ' << name;
+            EXPECT_EQ(std::get<Options>(read).journal.where, "/of/the/line");
+        }
+    std::string said;
+    const auto both = options_of({"a.toml", "--journal", "a", "--data-dir", "b"}, &said);
+    EXPECT_FALSE(std::holds_alternative<Options>(both));
+    EXPECT_NE(said.find("both say where the journal is"), std::string::npos) << said;
 }
 
 TEST(ServerOptions, limits_of_addresses_and_pages_that_may_come_each_have_a_flag) {

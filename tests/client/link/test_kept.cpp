@@ -41,6 +41,7 @@ TEST(Kept, who_comes_after_one_that_is_refused_is_wanted_whichever_reply_is_firs
         if (refusal_first)
             kept.failed(three, refused);
         kept.granted(two, 2);
+        EXPECT_EQ(kept.wanted(), refusal_first ? 2 : 3) << "the last one, while it is not refused";
         if (!refusal_first)
             kept.failed(three, refused);
         EXPECT_EQ(kept.wanted(), 2) << refusal_first;

@@ -2,6 +2,7 @@
 // Scenes that follow from scenes: what a change may say, and what of the rest stays.
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -19,6 +20,7 @@ using testing::error_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::scene_of;
+using ::testing::StartsWith;
 
 std::string system_of(const std::string& spectrum, const std::string& more) {
     return "[sea]\n[[sea.system]]\ntype = \"wind\"\nfrom_deg = 270\nspectrum = \"" + spectrum +
@@ -86,6 +88,49 @@ TEST(Weather, a_sea_that_is_given_by_its_height_keeps_it_in_another_wind) {
     const Result<Scene> calmer = with(scene, "systems.0.wind_speed_10m_mps", "2.0");
     ASSERT_FALSE(calmer);
     EXPECT_THAT(calmer.error().message, HasSubstr("significant_height_m: 3 is not allowed"));
+}
+
+// Naive: a table that says nothing is not written, and what stands in no text cannot be set.
+TEST(Weather, water_that_a_scene_says_nothing_of_can_be_changed) {
+    const std::string text = system_of("jonswap", "wind_speed_10m_mps = 5\n");
+    const Scene plain = scene_of(text);
+    ASSERT_EQ(plain.water, Water{});
+    const Result<Scene> second = with(plain, "water.type", "\"II\"");
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_EQ(name_of(second->water.type), std::string("II"));
+    EXPECT_EQ(second->water.bottom_albedo, plain.water.bottom_albedo);
+    const Result<Scene> albedo = with(plain, "water.bottom_albedo", "[0.1, 0.2, 0.3]");
+    ASSERT_TRUE(albedo) << albedo.error().message;
+    EXPECT_EQ(albedo->water.type, plain.water.type);
+    const Result<Scene> back =
+        with(*second, "water.type", fmt::format("\"{}\"", name_of(plain.water.type)));
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->water, plain.water);
+    EXPECT_EQ(scene_of(text + row("water.type = \"II\"")).weather.size(), 1u);
+}
+
+// Naive: by the lines of a text that was never anybody's, and systems by numbers one higher than in what was asked for.
+TEST(Weather, what_is_wrong_is_named_by_the_path_that_was_set) {
+    const std::string text = system_of("jonswap", "wind_speed_10m_mps = 5\n");
+    const auto why = [&](const char* path, const char* value) {
+        const Result<Scene> next = with(scene_of(text), path, value);
+        return next ? "nothing" : next.error().message;
+    };
+    EXPECT_THAT(why("systems.0.from_deg", "1e308"), StartsWith("sea.system.0.from_deg: 1e+308"));
+    EXPECT_THAT(why("sea.choppiness", "4"), StartsWith("sea.choppiness: 4 is not allowed"));
+    EXPECT_THAT(why("water.type", "\"mud\""), StartsWith("water.type: "));
+    EXPECT_THAT(error_of(text + row("sea.choppiness = 4")),
+                HasSubstr(": weather[1]: sea.choppiness: 4 is not allowed"));
+}
+
+// Naive: the last one counts.
+TEST(Weather, one_value_is_not_set_twice_by_whatever_names) {
+    const std::vector<TomlAssignment> both{{"systems.0.from_deg", "1"},
+                                           {"sea.system.0.from_deg", "2"}};
+    const Result<Scene> next =
+        changed(scene_of(system_of("jonswap", "wind_speed_10m_mps = 5\n")), both);
+    ASSERT_FALSE(next);
+    EXPECT_EQ(next.error().message, "sea.system.0.from_deg: is set twice");
 }
 
 } // namespace
