@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -121,12 +122,28 @@ ClientEvents telling() {
     }};
 }
 
+/// The waves of a sea to come follow what is said of it. Where none come there are its tiles.
+void await_waves(const Client& client, sea::TimeUs time_us) {
+    const auto until = steady_clock::now() + std::chrono::seconds(2);
+    while (client.source(time_us).source != AnswersFrom::spectrum && steady_clock::now() < until)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
 /// Has what the options want to be answered from; of the waves of a scene, anew for each sea.
 Result<void> make_ready(Client& client, const QueryOptions& options) {
+    const bool of_waves = options.local && options.source != Source::tiles;
+    std::optional<sea::TimeUs>
+        then_us; // at which another sea may run, of which this client is told with its tiles
+    if (of_waves && options.time_s)
+        SEAWAY_TRY(
+            client.hold(std::span(&then_us.emplace(sea::us_from_seconds(*options.time_s)), 1),
+                        options.timeout_s));
     if (options.local && options.source == Source::scene)
-        return client.rebuild(client.now_us());
-    if (options.local && options.source == Source::spectrum) {
+        return client.rebuild(then_us.value_or(client.now_us()));
+    if (of_waves) {
         SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
+        if (then_us)
+            await_waves(client, *then_us);
     } else if (options.watch_hz > 0 && options.local) {
         constexpr int credit = 2;
         protocol::TileWish wish{.fields = sea::surface_fields};
