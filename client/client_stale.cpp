@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Client: what it means for answers that nothing is heard of the server, or that it never told of their seas.
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "client/client.h"
+
+namespace seaway::client {
+
+using sea::TimeUs;
+
+namespace {
+
+/// A server answers pings each second; whose third is missing is silent.
+constexpr LocalUs silent_us = 3'000'000;
+
+} // namespace
+
+bool Client::silent(LocalUs now_us) const {
+    return joining_->end || unsure_ || now_us - heard_at_us_ > silent_us;
+}
+
+TimeUs Client::told_from_us() const {
+    const std::scoped_lock lock(mutex_);
+    return sea_states_.front()->start_time_us;
+}
+
+bool Client::mark_stale(TimeUs told_from_us, std::span<const sea::QueryPoint> points,
+                        std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
+                        std::span<double> moved_off_m) const {
+    std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
+    bool nothing_comes = false;
+    {
+        const std::scoped_lock lock(mutex_);
+        unheard[0] = missed_;
+        if (silent(local_now_us()))
+            unheard[1] = {heard_us_};
+        nothing_comes = resuming_ || joining_->end;
+    }
+    if (nothing_comes && std::ranges::any_of(answers, [](const sea::Answer& answer) {
+            return answer.flags & sea::answer_extrapolated;
+        }))
+        return false;
+    mark(unheard, points, answers, terms, moved_off_m);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i].time_us < told_from_us)
+            answers[i].flags |= sea::answer_extrapolated;
+    return true;
+}
+
+void Client::mark_unsure(std::span<const sea::QueryPoint> points,
+                         std::span<sea::Answer> answers) const {
+    Unheard unheard;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!unsure_)
+            return;
+        unheard.from_us = heard_us_;
+    }
+    mark({&unheard, 1}, points, answers);
+}
+
+void Client::mark(std::span<const Unheard> unheard, std::span<const sea::QueryPoint> points,
+                  std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
+                  std::span<double> moved_off_m) const {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        TimeUs from_us = std::numeric_limits<TimeUs>::max();
+        for (const Unheard& span : unheard)
+            if (span.contains(points[i].time_us))
+                from_us = std::min(from_us, span.from_us);
+        if (from_us == std::numeric_limits<TimeUs>::max())
+            continue;
+        answers[i].flags |= sea::answer_stale;
+        if (answers[i].flags & sea::answer_invalid)
+            continue;
+        const SeaStatePtr state = sea_state(points[i].time_us);
+        const double stale_m = stale_error_m(*state, from_us, points[i].time_us);
+        answers[i].error_m += stale_m;
+        if (!terms.empty())
+            terms[i].stale_m = stale_m;
+        if (!moved_off_m.empty())
+            moved_off_m[i] += stale_displacement_error_m(*state, from_us, points[i].time_us);
+    }
+}
+
+} // namespace seaway::client
