@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: how it connects, loses its connection and comes back (decision 0045).
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <new>

@@ -50,10 +50,11 @@ endfunction()
 # Tests read their data below SEAWAY_SOURCE_DIR and find programs in SEAWAY_BIN_DIR. DRIVER: a Vulkan
 # driver is loaded, here or in a program that is started. What is tested is optimised in its own
 # library; the tests around it compile a sixth faster at -O1 (docs/decisions/0023). The time limit ends what hangs; a busy machine stays far below it.
-# `dev` runs three at a time, since many wait for most of their time: BOTH_CORES says that this one computes throughout,
-# with threads of its own, and counts for two. LONG: it begins first, so that nothing waits for it alone at the end.
+# `dev` gives out six places, for two cores: two to each, as one thread takes it, one to what WAITS for most of its time, four to
+# what has BOTH_CORES busy with threads of its own. LONG: more than half a minute, so it begins early, and nothing waits for it alone
+# at the end.
 function(seaway_test name)
-  cmake_parse_arguments(T "DRIVER;BOTH_CORES;LONG" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(T "DRIVER;WAITS;BOTH_CORES;LONG" "TIMEOUT" "SOURCES;LINKS" ${ARGN})
   if(NOT T_TIMEOUT)
     set(T_TIMEOUT 600)
   endif()
@@ -70,13 +71,18 @@ function(seaway_test name)
   add_test(NAME ${name} COMMAND test_${name} --gtest_brief=1)
   set_tests_properties(${name} PROPERTIES TIMEOUT ${T_TIMEOUT})
   set(cost 0)
+  set(places 2)
   if(T_LONG)
     math(EXPR cost "${cost} + 100")
   endif()
-  if(T_BOTH_CORES) # one after the other: behind others they would wait until two places are free at once
-    math(EXPR cost "${cost} + 200")
-    set_tests_properties(${name} PROPERTIES PROCESSORS 2)
+  if(T_WAITS)
+    set(places 1)
   endif()
+  if(T_BOTH_CORES) # one after the other: behind others they would wait until four places are free at once
+    math(EXPR cost "${cost} + 200")
+    set(places 4)
+  endif()
+  set_tests_properties(${name} PROPERTIES PROCESSORS ${places})
   if(cost)
     set_tests_properties(${name} PROPERTIES COST ${cost})
   endif()
