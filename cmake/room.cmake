@@ -49,7 +49,8 @@ endfunction()
 # seaway_test(sea SOURCES test_x.cpp ... LINKS ...): one GoogleTest program a room, one ctest entry.
 # Tests read their data below SEAWAY_SOURCE_DIR and find programs in SEAWAY_BIN_DIR. DRIVER: a Vulkan
 # driver is loaded, here or in a program that is started. What is tested is optimised in its own
-# library; the tests around it compile a sixth faster at -O1 (docs/decisions/0023). The time limit ends what hangs; a busy machine stays far below it.
+# library; the tests around it compile a sixth faster at -O1 (docs/decisions/0023), and those that wait in half of the time at
+# -O0. The time limit ends what hangs; a busy machine stays far below it.
 # `dev` gives out six places, for two cores: two to each, as one thread takes it, one to what WAITS for most of its time, four to
 # what has BOTH_CORES busy with threads of its own. LONG: more than half a minute, so it begins early, and nothing waits for it alone
 # at the end.
@@ -61,10 +62,14 @@ function(seaway_test name)
   add_executable(test_${name} ${T_SOURCES})
   target_link_libraries(test_${name} PRIVATE seaway_headers seaway_options
     ${T_LINKS} GTest::gmock GTest::gtest_main)
-  target_compile_options(test_${name} PRIVATE -O1)
+  set(level 1)
+  if(T_WAITS AND NOT SEAWAY_SANITIZE)
+    set(level 0)
+  endif()
+  target_compile_options(test_${name} PRIVATE -O${level})
   # Tests that are compiled together shadow each other's names at their ease.
   set_target_properties(test_${name} PROPERTIES SEAWAY_SHADOWS ON)
-  seaway_precompiled(test_${name} seaway_test_headers)
+  seaway_precompiled(test_${name} seaway_test_headers_o${level})
   seaway_together(test_${name})
   target_compile_definitions(test_${name} PRIVATE SEAWAY_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     SEAWAY_BIN_DIR="${PROJECT_BINARY_DIR}/bin")
