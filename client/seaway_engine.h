@@ -190,7 +190,7 @@ typedef struct seaway_water {
     double displacement_error_m;
     double jacobian; /* area here over area before: below 0 a fold; no bound is stated */
     double
-        foam; /* share that is white, 0 to 1; NaN where no foam is held (SEAWAY_FOAM in seaway_wish.fields) */
+        foam; /* share that is white, 0 to 1; NaN where no foam is held (SEAWAY_FOAM in seaway_wish.fields); SEAWAY_FOAM_LATE: of another time */
 } seaway_water;
 
 /* seaway_sample with all that is known of a point. `stride`: bytes from one seaway_water to the next, sizeof(seaway_water): of
