@@ -122,7 +122,7 @@ ClientEvents telling() {
     }};
 }
 
-/// The waves of a sea to come follow what is said of it. Where none come there are its tiles.
+/// Waves may follow what is said of a sea. Where none come (a server sends none of seas that are far away in time) there are its tiles.
 void await_waves(const Client& client, sea::TimeUs time_us) {
     const auto until = steady_clock::now() + std::chrono::seconds(2);
     while (client.source(time_us).source != AnswersFrom::spectrum && steady_clock::now() < until)
