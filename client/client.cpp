@@ -229,7 +229,7 @@ auto Client::subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription) {
     if (had)
         kept.granted(serial, subscription);
     else
-        kept.failed(serial, had.error());
+        kept.failed(serial, subscription, had.error());
     return had;
 }
 
@@ -396,7 +396,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
                                  std::span<const QueryPoint> points, std::span<Answer> answers,
                                  const Sampling& how) const {
     const sea::FieldSet fields = sampled_fields();
-    const TimeUs told_from = told_from_us();
+    const KnownSeas known_seas = known(ring);
     HeldSurfaces::Lent surface;
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
@@ -433,7 +433,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
             for (Answer& answer : answered)
                 answer.flags |= sea::answer_extrapolated;
     }
-    if (!mark_stale(told_from, points, answers, how.terms))
+    if (!mark_stale(known_seas, points, answers, how.terms))
         return failed(
             Failure::not_held,
             "the connection is lost, and the keyframes that are held end before that time");

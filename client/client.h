@@ -53,6 +53,7 @@
 #include "client/rebuilt/received_spectrum.h"
 #include "client/staleness.h"
 #include "client/status.h"
+#include "client/subscriptions.h"
 
 namespace seaway::client {
 
@@ -156,6 +157,10 @@ class Client {
     /// Errors: rebuild_from_scene().
     Result<void> rebuild(sea::TimeUs time_us);
 
+    /// Whether the sea of this time is known without asking: not before the first that it was told of, and no further ahead than a
+    /// server has told of every change (an interval of keyframes and a second). Of other times hold() brings what is to be known.
+    bool knows_sea_of(sea::TimeUs time_us) const;
+
     /// Where sample() of this time has its answers from.
     SourceNow source(sea::TimeUs time_us) const;
 
@@ -213,16 +218,6 @@ class Client {
         std::optional<Error> end;
     };
     using JoiningPtr = std::shared_ptr<Joining>;
-    struct Subscription {
-        protocol::TileWish wish;
-        int credit;
-        double timeout_s;
-    };
-    struct SpectrumSubscription {
-        protocol::SpectrumWish wish;
-        double timeout_s;
-    };
-
     Client(ConnectOptions options, ClientEvents events, RingLimits limits);
     /// Never null once connect() has succeeded.
     ConnectionPtr link() const;
@@ -246,7 +241,7 @@ class Client {
     /// Subscribes again; while that is refused, after waits, for as long as the connection stands.
     void subscribe_again(std::unique_lock<std::mutex>& lock);
     template <class Kind>
-    Result<void> subscribe_as_before(const Kept<Kind>& kept);
+    Result<void> subscribe_as_before(Kept<Kind>& kept);
     void say_status();
     void say_what_is_held(); ///< where that is something else than was said
     /// mutex_ held, on the connection's thread: its first sea is known.
@@ -261,7 +256,12 @@ class Client {
     void forget_sea(); ///< mutex_ held
     /// Asks for what is kept now, if anything is (wanted.h).
     template <class Kind>
-    std::optional<Kind> ask_as_before(const Kept<Kind>& kept, std::optional<Waiter>& waiter);
+    std::optional<typename Kept<Kind>::One> ask_as_before(const Kept<Kind>& kept,
+                                                          std::optional<Waiter>& waiter);
+    /// What the server says of that.
+    template <class Kind>
+    Result<void> take_again(Kept<Kind>& kept, const typename Kept<Kind>::One& asked,
+                            const Result<Reply>& reply);
     static void ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter);
     static void ask_for(Connection& connection, const SpectrumSubscription& subscription,
                         Waiter& waiter);
@@ -296,13 +296,13 @@ class Client {
 
     /// mutex_ held. Is nothing heard of the server, or of it that it is not sure of its sea?
     bool silent(LocalUs now_us) const;
-    /// Flags what the server may know more about, and times before `told_from_us`. False: an answer is of no keyframes, and no
-    /// server is there to send some.
-    bool mark_stale(sea::TimeUs told_from_us, std::span<const sea::QueryPoint> points,
+    /// To be read before answers are made.
+    KnownSeas known(const KeyframeRing& ring) const;
+    /// Flags what the server may know more about, and times of which it is not known which sea ran. False: an answer is of no
+    /// keyframes, and no server is there to send some.
+    bool mark_stale(const KnownSeas& known, std::span<const sea::QueryPoint> points,
                     std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {},
                     std::span<double> moved_off_m = {}) const;
-    /// The seas before that time are not known: from waves it is answered as well as can be. To be read before answers are made.
-    sea::TimeUs told_from_us() const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
     /// By the earliest beginning of those that contain it. `moved_off_m`: added to, the same of a component of the displacement.
@@ -421,7 +421,9 @@ class Client {
     std::chrono::steady_clock::time_point next_attempt_{};
     std::atomic<int> seas_ = 0; ///< changed before what is held of the one before is dropped
     bool resuming_ = false;     ///< from the end of a connection until all is subscribed to again
-    LocalUs heard_at_us_ = 0;   ///< when the server was sure of its sea, as far as it is known
+    sea::TimeUs told_from_us_ =
+        0; ///< the beginning of the first sea that was told of before any was asked for
+    LocalUs heard_at_us_ = 0; ///< when the server was sure of its sea, as far as it is known
     sea::TimeUs heard_us_ = std::numeric_limits<sea::TimeUs>::min(); ///< sea time then
     bool unsure_ = false;                                            ///< so it says itself
     Unheard missed_;    ///< of the last connection that ended, where the sea was changed meanwhile

@@ -190,11 +190,10 @@ void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
 }
 
 template <class Kind>
-Result<void> Client::subscribe_as_before(const Kept<Kind>& kept) {
-    std::optional<Waiter> asked;
-    if (const std::optional<Kind> wanted = ask_as_before(kept, asked))
-        SEAWAY_TRY(granted(*wanted, reply_of(*asked)));
-    return {};
+Result<void> Client::subscribe_as_before(Kept<Kind>& kept) {
+    std::optional<Waiter> waiter;
+    const auto asked = ask_as_before(kept, waiter);
+    return asked ? take_again(kept, *asked, reply_of(*waiter)) : Result<void>();
 }
 
 void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
@@ -330,6 +329,8 @@ void Client::join(Joining& joining, const SeaState& state) {
     }
     if (first)
         ++seas_;
+    if (sea_states_.empty()) // of another sea nothing is held
+        told_from_us_ = state.start_time_us;
     for (const sea::Pace& pace : joining.paces)
         paces_.add(pace);
     for (const Joining::Look& look : joining.looks)

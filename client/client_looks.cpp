@@ -112,7 +112,7 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
     for (const sea::QueryPoint& point : points)
         SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<std::vector<Water>> {
-        const TimeUs told_from = told_from_us();
+        const KnownSeas known_seas = known(ring_);
         std::vector<Water> water(points.size());
         for (std::size_t first = 0; first < points.size();) {
             std::size_t end = first + 1;
@@ -126,7 +126,7 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
         for (const Water& one : water)
             answers.push_back(one.answer);
         std::vector<double> moved_off_m(points.size(), 0.0);
-        if (!mark_stale(told_from, points, answers, {}, moved_off_m))
+        if (!mark_stale(known_seas, points, answers, {}, moved_off_m))
             return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
                                              "held end before that time");
         for (std::size_t i = 0; i < water.size(); ++i) {
@@ -144,7 +144,7 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
     for (const sea::QueryPoint& point : points)
         SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<Below> {
-        const TimeUs told_from = told_from_us();
+        const KnownSeas known_seas = known(ring_);
         Below found{std::vector<sea::Answer>(points.size()),
                     std::vector<sea::WaterBelow>(points.size())};
         for (std::size_t first = 0; first < points.size();) {
@@ -167,7 +167,7 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
             });
             first = end;
         }
-        (void)mark_stale(told_from, points, found.answers); // waves go on without a server
+        (void)mark_stale(known_seas, points, found.answers); // waves go on without a server
         return found;
     });
 }
@@ -232,7 +232,7 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
                                std::span<const std::optional<sea::Field>> channels) const {
     SEAWAY_TRY(check_time(time_us));
     return of_one_sea([&]() -> Result<CascadeMap> {
-        const TimeUs told_from = told_from_us();
+        const KnownSeas known_seas = known(ring_);
         const SeaStatePtr state = sea_state(time_us);
         const auto index = static_cast<std::size_t>(cascade);
         if (index >= state->cascades.size())
@@ -265,7 +265,7 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
         if ((held && !held->covers) || (foam && !foam->covers))
             marks.flags |= sea::answer_extrapolated;
         const sea::QueryPoint here{0, 0, time_us};
-        if (!mark_stale(told_from, {&here, 1}, {&marks, 1}))
+        if (!mark_stale(known_seas, {&here, 1}, {&marks, 1}))
             return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
                                              "held end before that time");
         map.flags = marks.flags;

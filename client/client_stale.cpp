@@ -21,12 +21,18 @@ bool Client::silent(LocalUs now_us) const {
     return joining_->end || unsure_ || now_us - heard_at_us_ > silent_us;
 }
 
-TimeUs Client::told_from_us() const {
+KnownSeas Client::known(const KeyframeRing& ring) const {
     const std::scoped_lock lock(mutex_);
-    return sea_states_.front()->start_time_us;
+    return {std::max(told_from_us_, sea_states_.front()->start_time_us), ring};
 }
 
-bool Client::mark_stale(TimeUs told_from_us, std::span<const sea::QueryPoint> points,
+bool Client::knows_sea_of(TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    return time_us >= std::max(told_from_us_, sea_states_.front()->start_time_us) &&
+           time_us <= told_until_us(*sea_state_held(heard_us_), heard_us_);
+}
+
+bool Client::mark_stale(const KnownSeas& known, std::span<const sea::QueryPoint> points,
                         std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
                         std::span<double> moved_off_m) const {
     std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
@@ -44,7 +50,8 @@ bool Client::mark_stale(TimeUs told_from_us, std::span<const sea::QueryPoint> po
         return false;
     mark(unheard, points, answers, terms, moved_off_m);
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (points[i].time_us < told_from_us)
+        if (points[i].time_us < known.from_us &&
+            !known.has(points[i].time_us, *sea_state(points[i].time_us)))
             answers[i].flags |= sea::answer_extrapolated;
     return true;
 }

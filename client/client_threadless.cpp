@@ -136,14 +136,11 @@ void Client::subscribe_turn(std::unique_lock<std::mutex>& lock) {
     if (again.asked && again.asked->ready()) {
         const Result<Reply> reply = again.asked->wait();
         again.asked.reset();
-        const auto take = [&](const auto& subscription) {
-            if (const auto had = granted(subscription, reply); !had)
-                done = had.error();
-        };
-        if (again.rungs++ == 0)
-            take(*again.waves);
-        else
-            take(*again.tiles);
+        const Result<void> had = again.rungs++ == 0
+                                     ? take_again(spectrum_subscription_, *again.waves, reply)
+                                     : take_again(subscription_, *again.tiles, reply);
+        if (!had)
+            done = had.error();
     }
     while (!done && !again.asked) {
         if (again.rungs == 0)

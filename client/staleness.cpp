@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "sea/basics/glide.h"
 #include "sea/surface/budget/error_budget.h"
@@ -14,14 +15,28 @@ namespace {
 
 /// Of another sea, in the difference of its waves from those that are known.
 double difference_share(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us) {
-    sea::TimeUs interval_us = 0;
-    for (const protocol::CascadeInfo& cascade : state.cascades)
-        interval_us = std::max(interval_us, cascade.interval_us);
-    const sea::TimeUs first_us = heard_us + interval_us + change_told_ahead_us;
+    const sea::TimeUs first_us = told_until_us(state, heard_us);
     return std::numbers::sqrt2 * sea::glide_share(time_us, first_us, first_us + sea::glide_us_min);
 }
 
 } // namespace
+
+sea::TimeUs told_until_us(const SeaState& state, sea::TimeUs heard_us) {
+    sea::TimeUs interval_us = 0;
+    for (const protocol::CascadeInfo& cascade : state.cascades)
+        interval_us = std::max(interval_us, cascade.interval_us);
+    return heard_us + interval_us + change_told_ahead_us;
+}
+
+bool KnownSeas::has(sea::TimeUs time_us, const SeaState& taken) const {
+    for (std::size_t c = 0; c < taken.cascades.size(); ++c) {
+        const std::optional<KeyframePair> pair = ring.around(
+            static_cast<int>(c), taken.epoch, time_us, taken.cascades[c].interval_us, {});
+        if (pair && pair->covers)
+            return true;
+    }
+    return false;
+}
 
 double stale_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us) {
     const double difference_m =

@@ -14,6 +14,7 @@
 
 #include <limits>
 
+#include "client/held/keyframe_ring.h"
 #include "client/link/connection.h"
 
 namespace seaway::client {
@@ -26,6 +27,19 @@ struct Unheard {
     sea::TimeUs until_us = std::numeric_limits<sea::TimeUs>::max();
 
     bool contains(sea::TimeUs time_us) const { return time_us > from_us && time_us < until_us; }
+};
+
+/// Up to when whoever heard that a server was sure of its sea at `heard_us` has been told of every change.
+sea::TimeUs told_until_us(const SeaState& state, sea::TimeUs heard_us);
+
+/// Of which times a client knows which seas run: from one on, as a server tells of each that comes; before it where keyframes are
+/// held on both sides, of `ring`.
+struct KnownSeas {
+    sea::TimeUs from_us;
+    const KeyframeRing& ring;
+
+    /// Of a time before: `taken` is the sea that is taken to run then.
+    bool has(sea::TimeUs time_us, const SeaState& taken) const;
 };
 
 /// What is added to the error of a height about this time; never less at a later one. 0 up to the first moment at which

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What one scene says other than another, for people: by the path of each value, as `seaway-ctl set` takes it. Of texts that
-// sea::to_toml() wrote, a value a line; what is none is a path of its own. Pure; linear in both.
+// sea::to_toml() wrote, a value a line; rows of a table are values of its key. Pure; n log n in both.
 #pragma once
 
 #include <optional>

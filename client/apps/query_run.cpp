@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <thread>
 #include <utility>
@@ -39,6 +40,39 @@ std::vector<sea::QueryPoint> points_at(const std::vector<Place>& places,
     return points;
 }
 
+/// Points whose sea is not known before it is asked for. Of now it always is.
+bool elsewhen(const Client& client, const QueryOptions& options,
+              std::span<const sea::QueryPoint> points) {
+    return options.source != Source::tiles && options.has_times &&
+           !std::ranges::all_of(points, [&](const sea::QueryPoint& point) {
+               return client.knows_sea_of(point.time_us);
+           });
+}
+
+/// Makes the seas of these points from their scenes, where that is wanted. True: some were not there.
+Result<bool> make_seas(Client& client, const QueryOptions& options,
+                       std::span<const sea::QueryPoint> points) {
+    bool more = false;
+    for (const sea::QueryPoint& point : points)
+        if (options.source == Source::scene &&
+            client.source(point.time_us).source != AnswersFrom::parameters) {
+            SEAWAY_TRY(client.rebuild(point.time_us));
+            more = true;
+        }
+    return more;
+}
+
+/// Has it told which seas run at these times of points, if that is not known.
+Result<void> learn_seas(Client& client, const QueryOptions& options,
+                        std::span<const sea::QueryPoint> points,
+                        std::span<const sea::TimeUs> times_us) {
+    if (!elsewhen(client, options, points))
+        return {};
+    SEAWAY_TRY(client.hold(times_us, options.timeout_s));
+    SEAWAY_TRY(make_seas(client, options, points));
+    return {};
+}
+
 /// From what is held, of the waves that count; keyframes of points that are not streamed are fetched before, those of a few
 /// times after the other.
 Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& options,
@@ -58,10 +92,32 @@ Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& option
             }
         if (options.source == Source::tiles)
             SEAWAY_TRY(client.hold(times_us, options.timeout_s));
+        else
+            SEAWAY_TRY(learn_seas(client, options, rest.first(end), times_us));
         SEAWAY_TRY_LET(const std::vector<Water> water, client.look(rest.first(end), looking));
         for (const Water& one : water)
             answers.push_back(one.answer);
     }
+    return answers;
+}
+
+/// Of points whose seas were not known: what is told of with their tiles, and from the waves of a scene where that is wanted. Of far
+/// seas the server sends no others.
+Result<std::vector<sea::Answer>> answers_elsewhen(Client& client, const QueryOptions& options,
+                                                  std::span<const sea::QueryPoint> points) {
+    SEAWAY_TRY_LET(std::vector<sea::Answer> answers,
+                   client.fetch_and_sample(points, options.timeout_s));
+    SEAWAY_TRY_LET(const bool more, make_seas(client, options, points));
+    if (more)
+        return client.fetch_and_sample(points, options.timeout_s);
+    const bool of_tiles = std::ranges::any_of(points, [&](const sea::QueryPoint& point) {
+        const AnswersFrom from = client.source(point.time_us).source;
+        return from == AnswersFrom::tiles || from == AnswersFrom::server;
+    });
+    if (of_tiles && options.watch_hz == 0)
+        complain("seaway-query", 0,
+                 "another sea runs at some of these times, whose waves the server does not send: "
+                 "answered from its tiles");
     return answers;
 }
 
@@ -72,6 +128,8 @@ Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& 
         return look(client, options, looking, points);
     if (options.local && options.source == Source::tiles)
         return client.fetch_and_sample(points, options.timeout_s);
+    if (options.local && elsewhen(client, options, points))
+        return answers_elsewhen(client, options, points);
     if (options.local)
         return client.sample(points);
     return client.ask(points, {options.exact, options.timeout_s, looking});
@@ -84,6 +142,13 @@ Result<std::string> rows_of(Client& client, const QueryOptions& options,
     if (!options.z_m) {
         SEAWAY_TRY_LET(const std::vector<sea::Answer> answers, answers_to(client, options, points));
         return output_rows(options.format, points, answers, compact);
+    }
+    if (options.local) {
+        std::set<sea::TimeUs> times_us;
+        for (const sea::QueryPoint& point : points)
+            times_us.insert(point.time_us);
+        SEAWAY_TRY(learn_seas(client, options, points,
+                              std::vector<sea::TimeUs>(times_us.begin(), times_us.end())));
     }
     const sea::Looking looking{.min_wavelength_m = options.min_wavelength_m};
     const std::vector<double> z_m(points.size(), *options.z_m);
@@ -122,28 +187,12 @@ ClientEvents telling() {
     }};
 }
 
-/// Waves may follow what is said of a sea. Where none come (a server sends none of seas that are far away in time) there are its tiles.
-void await_waves(const Client& client, sea::TimeUs time_us) {
-    const auto until = steady_clock::now() + std::chrono::seconds(2);
-    while (client.source(time_us).source != AnswersFrom::spectrum && steady_clock::now() < until)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-}
-
 /// Has what the options want to be answered from; of the waves of a scene, anew for each sea.
 Result<void> make_ready(Client& client, const QueryOptions& options) {
-    const bool of_waves = options.local && options.source != Source::tiles;
-    std::optional<sea::TimeUs>
-        then_us; // at which another sea may run, of which this client is told with its tiles
-    if (of_waves && options.time_s)
-        SEAWAY_TRY(
-            client.hold(std::span(&then_us.emplace(sea::us_from_seconds(*options.time_s)), 1),
-                        options.timeout_s));
     if (options.local && options.source == Source::scene)
-        return client.rebuild(then_us.value_or(client.now_us()));
-    if (of_waves) {
+        return client.rebuild(client.now_us());
+    if (options.local && options.source == Source::spectrum) {
         SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
-        if (then_us)
-            await_waves(client, *then_us);
     } else if (options.watch_hz > 0 && options.local) {
         constexpr int credit = 2;
         protocol::TileWish wish{.fields = sea::surface_fields};
@@ -181,9 +230,13 @@ double next_beat_s(double elapsed_s, double hz) {
     return (std::floor(elapsed_s * hz) + 1) / hz;
 }
 
-Result<void> run_query(const Connect& connect, const QueryOptions& options,
+Result<void> run_query(const Connect& connect, const QueryOptions& asked,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out) {
+    QueryOptions options = asked;
+    options.has_times = asked.time_s || std::ranges::any_of(places, [](const Place& place) {
+                            return place.time_s.has_value();
+                        });
     const bool watching = options.watch_hz > 0;
     SEAWAY_TRY_LET(const std::unique_ptr<Client> client,
                    connect(watching ? telling() : ClientEvents{}));

@@ -36,7 +36,8 @@ void Connection::on_closed(const std::string& reason) {
         end_with(going_away_.value_or(failed(Failure::lost, reason)), was_open);
     } catch (
         const std::bad_alloc&) { // maybe why it ends: then in so few words that they need no memory
-        end_with(failed(Failure::lost, "no memory"), was_open);
+        const Failure kind = going_away_ ? failure_of(*going_away_) : Failure::lost;
+        end_with(failed(kind, "no memory"), was_open);
     }
 }
 
@@ -49,6 +50,7 @@ void Connection::end_with(const Error& why, bool& was_open) {
     }
     if (was_open && events_.on_closed)
         events_.on_closed(why);
+    was_open = false;                             // that has been told
     requests_.fail_all(told(why, Failure::lost)); // who waits for one finds the reason known
 }
 

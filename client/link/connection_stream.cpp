@@ -26,7 +26,7 @@ void Connection::subscribe(const protocol::TileWish& wish, int credit, double ti
             if (reply)
                 streaming_.granted(serial, stream);
             else
-                streaming_.failed(serial, reply.error());
+                streaming_.failed(serial, stream, reply.error());
         }
         handler(std::move(reply));
     };

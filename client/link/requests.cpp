@@ -117,10 +117,18 @@ std::vector<sea::FieldSet> Requests::bulk_fields() const {
     return fields;
 }
 
+std::size_t Requests::handlers_held() const {
+    std::size_t count = open_.size();
+    for (const LaneState& lane : lanes_)
+        count += lane.waiting.size();
+    return count;
+}
+
 void Requests::expire(TimeUs now_us) {
     std::vector<ReplyHandler> expired;
     {
         const std::scoped_lock lock(mutex_);
+        expired.reserve(handlers_held()); // or none has left its place
         for (auto& [request_id, request] : open_)
             if (request.handler && request.deadline_us <= now_us)
                 expired.push_back(std::exchange(request.handler, nullptr));
@@ -142,6 +150,7 @@ void Requests::abandon(Lane lane, const Error& error) {
     std::vector<ReplyHandler> failed_handlers;
     {
         const std::scoped_lock lock(mutex_);
+        failed_handlers.reserve(handlers_held()); // or none has left its place
         for (auto& [request_id, request] : open_)
             if (request.lane == lane && request.handler)
                 failed_handlers.push_back(std::move(request.handler));

@@ -119,6 +119,7 @@ class Requests {
         std::deque<Waiting> waiting;
     };
 
+    std::size_t handlers_held() const; ///< mutex_ held; no more than that
     LaneState& state(Lane lane) { return lanes_[static_cast<std::size_t>(lane)]; }
     static int places(Lane lane) {
         switch (lane) {

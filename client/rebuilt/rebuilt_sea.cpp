@@ -82,7 +82,7 @@ Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea
         return failed(Failure::not_held,
                       state.glide ? fmt::format("the sea changes until {:g} s, and no probes tell "
                                                 "whether one that is made from its scene "
-                                                "is the same: take its waves or its tiles",
+                                                "is the same",
                                                 sea::seconds_from_us(state.glide->end_us))
                                   : "the server sent no probes to know a rebuilt sea by");
     const sea::ProbeDifference off = sea::compare(sea.sum(), state.probes);

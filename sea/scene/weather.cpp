@@ -48,7 +48,7 @@ std::string text_with_tables(const Scene& scene, std::span<const TomlAssignment>
     return text;
 }
 
-/// What is wrong with a changed scene, in the words of who changed it: without a line of a text that nobody has, and systems by
+/// What is wrong with a changed scene, in the words of who changed it: without a line of a text that nobody has, and tables by
 /// their paths, which count from 0.
 std::string as_asked(std::string why, const std::string& name) {
     if (why.starts_with(name + ":"))
@@ -57,15 +57,16 @@ std::string as_asked(std::string why, const std::string& name) {
         digits != std::string::npos && digits > 0 && why[digits] == ':')
         why.erase(0, digits + 1);
     why.erase(0, why.find_first_not_of(' '));
-    constexpr std::string_view counted = "sea.system[";
-    for (std::size_t at = 0; (at = why.find(counted, at)) != std::string::npos; ++at) {
-        const std::size_t first = at + counted.size();
-        int number = 0;
-        const auto [end, fault] = std::from_chars(&why[first], why.data() + why.size(), number);
-        if (fault == std::errc{} && *end == ']')
-            why.replace(at, static_cast<std::size_t>(end - why.data()) + 1 - at,
-                        fmt::format("sea.system.{}", number - 1));
-    }
+    for (const std::string_view table : {"sea.system", "cascade"})
+        for (std::size_t at = 0;
+             (at = why.find(fmt::format("{}[", table), at)) != std::string::npos; ++at) {
+            const std::size_t first = at + table.size() + 1;
+            int number = 0;
+            const auto [end, fault] = std::from_chars(&why[first], why.data() + why.size(), number);
+            if (fault == std::errc{} && *end == ']')
+                why.replace(at, static_cast<std::size_t>(end - why.data()) + 1 - at,
+                            fmt::format("{}.{}", table, number - 1));
+        }
     return why;
 }
 

@@ -18,7 +18,7 @@
 namespace seaway::sea {
 
 /// The scene with these values, set in its effective text ("sea.system.0.from_deg"; "systems.0.from_deg" is the same),
-/// without the timetable. An error names the value by its path (systems counted from 0 as there), or what may not change, and no line.
+/// without the timetable. An error names the value by its path (tables counted from 0 as there), or what may not change, and no line.
 Result<Scene> changed(const Scene& scene, std::span<const TomlAssignment> values);
 
 /// Whether a sea can glide from one of these scenes to the other; an error names the first key that stands against it.

@@ -158,16 +158,24 @@ class FoamAlone : public tests::WaveSea {
     }
 };
 
-// Naive: maps are made of the surface, and where no heights were subscribed to there never is one.
-TEST(Foam, that_was_subscribed_to_alone_has_its_maps) {
+/// And a client that is subscribed to it.
+class Foam : public testing::Test {
+  protected:
     FoamAlone sea;
-    const auto net = tests::serve(sea);
-    Sea client(net->url());
-    seaway_wish alone = SEAWAY_SIZED(seaway_wish);
-    alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
+    std::unique_ptr<server::NetServer> net = tests::serve(sea);
+    Sea client{net->url()};
     const sea::TimeUs now_us = sea.sea_time_us();
-    ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
-        << seaway_last_error();
+
+    void SetUp() override {
+        seaway_wish alone = SEAWAY_SIZED(seaway_wish);
+        alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
+        ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
+            << seaway_last_error();
+    }
+};
+
+// Naive: maps are made of the surface, and where no heights were subscribed to there never is one.
+TEST_F(Foam, that_was_subscribed_to_alone_has_its_maps) {
     seaway_map_wish wish = SEAWAY_SIZED(seaway_map_wish);
     seaway_map map = SEAWAY_SIZED(seaway_map);
     wish.cascade = 1;
@@ -199,14 +207,7 @@ TEST(Foam, that_was_subscribed_to_alone_has_its_maps) {
 
 // Naive: foam that is not of that time makes the whole answer one without keyframes, which a client that has lost its server
 // refuses. Heights follow from waves at any time.
-TEST(Foam, of_another_time_is_told_of_and_takes_nothing_from_the_heights) {
-    FoamAlone sea;
-    const auto net = tests::serve(sea);
-    Sea client(net->url());
-    seaway_wish alone = SEAWAY_SIZED(seaway_wish);
-    alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
-    const sea::TimeUs now_us = sea.sea_time_us();
-    ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK);
+TEST_F(Foam, of_another_time_is_told_of_and_takes_nothing_from_the_heights) {
     seaway_subscription spectrum{};
     spectrum.rung = SEAWAY_SPECTRUM;
     client.subscribe(spectrum);

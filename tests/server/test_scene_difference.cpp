@@ -64,5 +64,21 @@ TEST(SceneDifference, more_than_four_are_counted) {
     EXPECT_EQ(all[1].before, "50.0");
 }
 
+// Naive: what stands twice is held once, and the second is news.
+TEST(SceneDifference, rows_of_a_table_are_values_of_its_key_however_often_they_stand) {
+    const std::string table =
+        "[[sea.system]]\ndata = \"\"\"\n64,0.2,270,0\n64,0.2,270,0\n5,1,0,0\n\"\"\"\n";
+    EXPECT_TRUE(scene_differences(table, table).empty());
+    const auto fewer = scene_differences(table, with(table, "64,0.2,270,0\n", ""));
+    ASSERT_EQ(fewer.size(), 1u);
+    EXPECT_EQ(fewer[0].path, "sea.system.0.data");
+    EXPECT_EQ(fewer[0].before, "64,0.2,270,0");
+    EXPECT_FALSE(fewer[0].after);
+    const auto other = scene_differences(table, with(table, "5,1,0,0", "6,1,0,0"));
+    ASSERT_EQ(other.size(), 1u);
+    EXPECT_EQ(other[0].before, "5,1,0,0");
+    EXPECT_EQ(other[0].after, "6,1,0,0");
+}
+
 } // namespace
 } // namespace seaway::server

@@ -2,6 +2,8 @@
 // What is wanted of a server, whatever the order of its replies.
 #include "client/link/kept.h"
 
+#include <array>
+
 #include <gtest/gtest.h>
 
 namespace seaway::client {
@@ -15,9 +17,9 @@ TEST(Kept, is_the_last_wish_and_where_that_is_refused_the_last_that_was_granted)
     const auto first = kept.ask(1);
     EXPECT_EQ(kept.wanted(), 1) << "before it is granted, for a connection that ends meanwhile";
     kept.granted(first, 1);
-    kept.failed(kept.ask(2), refused);
+    kept.failed(kept.ask(2), 2, refused);
     EXPECT_EQ(kept.wanted(), 1);
-    kept.failed(kept.ask(3), failed(Failure::lost, "gone"));
+    kept.failed(kept.ask(3), 3, failed(Failure::lost, "gone"));
     EXPECT_EQ(kept.wanted(), 1);
 }
 
@@ -27,8 +29,8 @@ TEST(Kept, of_two_that_are_both_refused_neither_stays) {
         Kept<int> kept;
         kept.granted(kept.ask(1), 1);
         const auto two = kept.ask(2), three = kept.ask(3);
-        kept.failed(older_first ? two : three, refused);
-        kept.failed(older_first ? three : two, refused);
+        for (const int one : older_first ? std::array{2, 3} : std::array{3, 2})
+            kept.failed(one == 2 ? two : three, one, refused);
         EXPECT_EQ(kept.wanted(), 1) << older_first;
     }
 }
@@ -39,11 +41,11 @@ TEST(Kept, who_comes_after_one_that_is_refused_is_wanted_whichever_reply_is_firs
         kept.granted(kept.ask(1), 1);
         const auto two = kept.ask(2), three = kept.ask(3);
         if (refusal_first)
-            kept.failed(three, refused);
+            kept.failed(three, 3, refused);
         kept.granted(two, 2);
         EXPECT_EQ(kept.wanted(), refusal_first ? 2 : 3) << "the last one, while it is not refused";
         if (!refusal_first)
-            kept.failed(three, refused);
+            kept.failed(three, 3, refused);
         EXPECT_EQ(kept.wanted(), 2) << refusal_first;
     }
 }
@@ -52,8 +54,24 @@ TEST(Kept, who_comes_after_one_that_is_refused_is_wanted_whichever_reply_is_firs
 TEST(Kept, what_was_not_answered_in_time_stays_wanted) {
     Kept<int> kept;
     kept.granted(kept.ask(1), 1);
-    kept.failed(kept.ask(2), failed(Failure::deadline, "late"));
+    const auto two = kept.ask(2);
+    kept.failed(two, 2, failed(Failure::deadline, "late"));
     EXPECT_EQ(kept.wanted(), 2);
+    kept.failed(kept.ask(3), 3, refused);
+    EXPECT_EQ(kept.wanted(), 2) << "which the server may stream";
+    // It is asked for again on the way back.
+    EXPECT_EQ(kept.wanted_one().serial, two);
+    kept.failed(two, 2, refused);
+    EXPECT_EQ(kept.wanted(), 1);
+}
+
+TEST(Kept, what_was_granted_is_wanted_though_it_is_refused_on_the_way_back) {
+    Kept<int> kept;
+    const auto one = kept.ask(1);
+    kept.failed(one, 1, failed(Failure::deadline, "late"));
+    kept.granted(one, 1);
+    kept.failed(one, 1, refused);
+    EXPECT_EQ(kept.wanted(), 1);
 }
 
 TEST(Kept, after_an_end_nothing_is_wanted_that_was_asked_for_before) {
@@ -62,7 +80,7 @@ TEST(Kept, after_an_end_nothing_is_wanted_that_was_asked_for_before) {
     kept.end();
     kept.granted(one, 1);
     EXPECT_FALSE(kept.wanted());
-    kept.failed(kept.ask(2), refused);
+    kept.failed(kept.ask(2), 2, refused);
     EXPECT_FALSE(kept.wanted());
 }
 

@@ -119,6 +119,7 @@ TEST(Weather, what_is_wrong_is_named_by_the_path_that_was_set) {
     EXPECT_THAT(why("systems.0.from_deg", "1e308"), StartsWith("sea.system.0.from_deg: 1e+308"));
     EXPECT_THAT(why("sea.choppiness", "4"), StartsWith("sea.choppiness: 4 is not allowed"));
     EXPECT_THAT(why("water.type", "\"mud\""), StartsWith("water.type: "));
+    EXPECT_THAT(why("cascade.0.size", "7"), StartsWith("cascade.0.size: 7 is not allowed"));
     EXPECT_THAT(error_of(text + row("sea.choppiness = 4")),
                 HasSubstr(": weather[1]: sea.choppiness: 4 is not allowed"));
 }
