@@ -34,8 +34,8 @@ void Connection::on_closed(const std::string& reason) {
     bool was_open = false;
     try {
         end_with(going_away_.value_or(failed(Failure::lost, reason)), was_open);
-    } catch (
-        const std::bad_alloc&) { // maybe why it ends: then in so few words that they need no memory
+    } catch (const std::bad_alloc&) { // maybe why it ends
+        // In so few words that they need no memory; what was told of it is not told again.
         const Failure kind = going_away_ ? failure_of(*going_away_) : Failure::lost;
         end_with(failed(kind, "no memory"), was_open);
     }
@@ -50,7 +50,7 @@ void Connection::end_with(const Error& why, bool& was_open) {
     }
     if (was_open && events_.on_closed)
         events_.on_closed(why);
-    was_open = false;                             // that has been told
+    was_open = false;
     requests_.fail_all(told(why, Failure::lost)); // who waits for one finds the reason known
 }
 
