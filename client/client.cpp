@@ -380,7 +380,7 @@ OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
 
 Client::SeaThen Client::sea_then(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    SeaThen then{sea_state_held(time_us), nullptr, {}};
+    SeaThen then{sea_state_held(time_us), nullptr, {}, known_from_held()};
     for (const SeaStatePtr& state : sea_states_) { // by their beginning
         if (state->start_time_us > time_us) {
             then.span.until_us = state->start_time_us;
@@ -396,11 +396,12 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
                                  std::span<const QueryPoint> points, std::span<Answer> answers,
                                  const Sampling& how) const {
     const sea::FieldSet fields = sampled_fields();
-    const KnownSeas known_seas = known(ring);
+    KnownSeas known{std::numeric_limits<TimeUs>::min(), ring};
     HeldSurfaces::Lent surface;
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
         const SeaThen then = sea_then(time_us);
+        known.from_us = std::max(known.from_us, then.known_from_us);
         TimeSpan span = then.span;
         if (!then.waves) {
             splines_ahead_ = splines_ahead_max;
@@ -433,7 +434,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
             for (Answer& answer : answered)
                 answer.flags |= sea::answer_extrapolated;
     }
-    if (!mark_stale(known_seas, points, answers, how.terms))
+    if (!mark_stale(known, points, answers, how.terms))
         return failed(
             Failure::not_held,
             "the connection is lost, and the keyframes that are held end before that time");

@@ -218,6 +218,7 @@ class Client {
         std::optional<Error> end;
     };
     using JoiningPtr = std::shared_ptr<Joining>;
+
     Client(ConnectOptions options, ClientEvents events, RingLimits limits);
     /// Never null once connect() has succeeded.
     ConnectionPtr link() const;
@@ -296,6 +297,7 @@ class Client {
 
     /// mutex_ held. Is nothing heard of the server, or of it that it is not sure of its sea?
     bool silent(LocalUs now_us) const;
+    sea::TimeUs known_from_held() const; ///< mutex_ held
     /// To be read before answers are made.
     KnownSeas known(const KeyframeRing& ring) const;
     /// Flags what the server may know more about, and times of which it is not known which sea ran. False: an answer is of no
@@ -361,6 +363,7 @@ class Client {
         SeaStatePtr state;
         OwnSeaPtr waves;
         TimeSpan span;
+        sea::TimeUs known_from_us; ///< KnownSeas::from_us
     };
     SeaThen sea_then(sea::TimeUs time_us) const;
     Result<void> sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
@@ -421,9 +424,8 @@ class Client {
     std::chrono::steady_clock::time_point next_attempt_{};
     std::atomic<int> seas_ = 0; ///< changed before what is held of the one before is dropped
     bool resuming_ = false;     ///< from the end of a connection until all is subscribed to again
-    sea::TimeUs told_from_us_ =
-        0; ///< the beginning of the first sea that was told of before any was asked for
-    LocalUs heard_at_us_ = 0; ///< when the server was sure of its sea, as far as it is known
+    sea::TimeUs told_from_us_ = 0; ///< the beginning of the sea that a connection began with
+    LocalUs heard_at_us_ = 0;      ///< when the server was sure of its sea, as far as it is known
     sea::TimeUs heard_us_ = std::numeric_limits<sea::TimeUs>::min(); ///< sea time then
     bool unsure_ = false;                                            ///< so it says itself
     Unheard missed_;    ///< of the last connection that ended, where the sea was changed meanwhile

@@ -21,14 +21,19 @@ bool Client::silent(LocalUs now_us) const {
     return joining_->end || unsure_ || now_us - heard_at_us_ > silent_us;
 }
 
+TimeUs Client::known_from_held() const {
+    // That sea may have been forgotten since.
+    return std::max(told_from_us_, sea_states_.front()->start_time_us);
+}
+
 KnownSeas Client::known(const KeyframeRing& ring) const {
     const std::scoped_lock lock(mutex_);
-    return {std::max(told_from_us_, sea_states_.front()->start_time_us), ring};
+    return {known_from_held(), ring};
 }
 
 bool Client::knows_sea_of(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    return time_us >= std::max(told_from_us_, sea_states_.front()->start_time_us) &&
+    return time_us >= known_from_held() &&
            time_us <= told_until_us(*sea_state_held(heard_us_), heard_us_);
 }
 

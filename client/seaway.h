@@ -207,7 +207,7 @@ enum {
     SEAWAY_FOLDED = 1, /* folds here, or may within the error of the maps: the highest sheet */
     SEAWAY_NOT_CONVERGED = 2, /* error_m covers it */
     SEAWAY_EXTRAPOLATED =
-        4, /* outside the keyframes held, or before all seas that this client was told of; error_m is no bound */
+        4, /* outside the keyframes held, or at a time of which it is not known which sea ran; error_m is no bound */
     SEAWAY_INVALID = 8, /* a coordinate was not a finite number; the rest is NaN */
     SEAWAY_EXACT = 16,  /* direct sum in double precision */
     SEAWAY_VERTICAL_VELOCITY =
