@@ -6,8 +6,9 @@
 // the other, the first alone, then the second where the first has moved the point to, so that the patches of the fine ones
 // are fetched about where they are needed. Patches are mixed in time once and kept while a point stays within its cell.
 //
-// Points of a block go on together: places and steps of all of them are worked out at once, as vectors of doubles, and what is
-// looked up for one does not wait for another. Of who is warm, all cascades are looked up at once.
+// Points of a block go on together: places, weights and steps of all of them are worked out at once, as vectors, and what is
+// looked up for one does not wait for another. Two blocks go on in turns: while one is summed up, the other's lines come. Of who
+// is warm, all cascades are looked up at once.
 //
 // Every lane does the same products and sums in the same order whatever the width of the vectors, and nothing is
 // fused: all instruction sets give the same bits, a point alone the same as in a block. Single precision, about 1e-6 of
@@ -78,7 +79,8 @@ struct PointTask {
 };
 
 struct PointKernel {
-    void (*solve)(const PointTask& task, PointBlock& points);
+    /// Of one block or two, which is faster than one after the other. 0074 has what it takes of a stack.
+    void (*solve)(const PointTask& task, PointBlock& first, PointBlock* second);
     /// All of a tile at one time: PointTile::mixed.
     void (*mix)(const PointTile& tile, const PointWeights& weights, std::size_t texels, float* to);
 };

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "sea/surface/fold_suspicion.h"
-#include "sea/surface/point_texels.h"
+#include "sea/surface/point_sums.h"
 
 namespace seaway::sea {
 namespace {
@@ -72,9 +72,17 @@ struct Step {
     }
 };
 
-/// Lanes go on together: what is worked out from what was looked up is worked out for all of them at once, and what is
-/// looked up for one does not wait for another.
-template <int W, bool mixed_already>
+/// What a block looks up.
+enum class Phase {
+    cascades, ///< one after the other, of who is cold
+    newton,   ///< all of them
+    rates,
+    done,
+};
+
+/// Lanes go on together, one look-up after the other: what is worked out from what was looked up is worked out for all of them
+/// at once, and what is looked up for one does not wait for another.
+template <int W, bool mixed_already, int tiles_max>
 class Block {
   public:
     Block(const PointTask& task, PointBlock& points) : task_(task), points_(points) {
@@ -100,34 +108,38 @@ class Block {
                 const double north = points_.y_m[p] / tile.length_m;
                 base_x_[t][p] = (east - __builtin_floor(east)) * tile.size;
                 base_y_[t][p] = (north - __builtin_floor(north)) * tile.size;
-                patches_[t][p].first = -1;
+                held_[t][p] = -1;
             }
         }
+        find_next();
     }
 
-    void run() {
-        for (int t = 0; t < task_.tile_count && any_of(cold_); ++t)
-            add_cascade(t);
-        for (int step = 0; step < steps_max && any_of(going_); ++step)
-            newton(step == 0);
-        if (!task_.rates)
-            return;
-        if constexpr (mixed_already) // of values alone
+    bool done() const { return phase_ == Phase::done; }
+
+    /// The next look-up, and what follows of it. Meanwhile `other` fetches what it needs for its own: while one sums up, the
+    /// other's memory comes.
+    void go_on(Block* other) {
+        if (!fetched_)
             for (int p = 0; p < points_.count; ++p)
-                for (int t = 0; t < task_.tile_count; ++t)
-                    fetch(task_.tiles[t], patches_[t][p].first);
-        for (int p = 0; p < points_.count; ++p)
-            if (points_.solved[p])
-                add_rates(p);
+                fetch_for(p);
+        fetched_ = true;
+        if (other != nullptr && !other->fetched_) {
+            for (int p = 0; p < lanes; ++p) { // who is no point has nothing to look up, or to fetch
+                look_up(p);
+                other->fetch_for(p);
+            }
+            other->fetched_ = true;
+        } else
+            for (int p = 0; p < points_.count; ++p)
+                look_up(p);
+        follow();
+        find_next();
     }
 
   private:
     SEAWAY_INLINE static void set(float (&rows)[lanes][4]) {
         for (float(&row)[4] : rows)
             *reinterpret_cast<F4*>(row) = F4{};
-    }
-    SEAWAY_INLINE static void add(float (&row)[4], const F4& more) {
-        *reinterpret_cast<F4*>(row) += more;
     }
     SEAWAY_INLINE static bool any_of(const bool (&of_lanes)[lanes]) {
         bool any = false;
@@ -146,33 +158,109 @@ class Block {
         const I8 ix = cell_of(ux, tile.size), iy = cell_of(uy, tile.size);
         *reinterpret_cast<I8*>(points_.cell_x[t]) = ix;
         *reinterpret_cast<I8*>(points_.cell_y[t]) = iy;
-        *reinterpret_cast<F8*>(points_.fraction_x[t]) =
-            __builtin_convertvector(ux - __builtin_convertvector(ix, D8), F8);
-        *reinterpret_cast<F8*>(points_.fraction_y[t]) =
-            __builtin_convertvector(uy - __builtin_convertvector(iy, D8), F8);
+        const F8 fraction_x = __builtin_convertvector(ux - __builtin_convertvector(ix, D8), F8);
+        const F8 fraction_y = __builtin_convertvector(uy - __builtin_convertvector(iy, D8), F8);
+        *reinterpret_cast<F8*>(points_.fraction_x[t]) = fraction_x;
+        *reinterpret_cast<F8*>(points_.fraction_y[t]) = fraction_y;
+        const auto per_m = static_cast<float>(tile.texels_per_m);
+        if (points_.count == 1)
+            weigh_first(fraction_x[0], fraction_y[0], per_m, weights_[t]);
+        else
+            weigh(fraction_x, fraction_y, per_m, weights_[t]);
         *reinterpret_cast<I8*>(first_[t]) = iy * tile.pitch + ix * channels;
     }
-    SEAWAY_INLINE void fetch_what_is_new(int t, const bool (&of)[lanes]) {
-        for (int p = 0; p < points_.count; ++p)
-            if (of[p] && first_[t][p] != patches_[t][p].first) {
-                if constexpr (mixed_already)
-                    fetch_mixed(task_.tiles[t], first_[t][p]);
-                else
-                    fetch(task_.tiles[t], first_[t][p]);
-            }
+    SEAWAY_INLINE void find_next() {
+        if (phase_ == Phase::cascades && (count_ == task_.tile_count || !any_of(cold_)))
+            begin(Phase::newton);
+        if (phase_ == Phase::newton && (count_ == steps_max || !any_of(going_)))
+            begin(task_.rates ? Phase::rates : Phase::done);
+        // Where Newton goes on to, points are in their cells already; rates lie beside what has been mixed.
+        fetched_ = phase_ == Phase::newton ? count_ > 0 : phase_ == Phase::rates && !mixed_already;
+        if (phase_ == Phase::cascades)
+            look(count_);
+        if (phase_ == Phase::newton)
+            for (int t = 0; t < task_.tile_count; ++t)
+                look(t);
+        if (phase_ == Phase::done)
+            fetched_ = true;
     }
-    SEAWAY_INLINE Here here(int t, int p) {
+    SEAWAY_INLINE void begin(Phase phase) {
+        phase_ = phase;
+        count_ = 0;
+    }
+
+    SEAWAY_INLINE void fetch_for(int p) {
+        if (phase_ == Phase::cascades && cold_[p])
+            fetch_tile(count_, p);
+        if (phase_ == Phase::newton && going_[p])
+            for (int t = 0; t < task_.tile_count; ++t)
+                fetch_tile(t, p);
+        if (phase_ == Phase::rates && points_.solved[p])
+            for (int t = 0; t < task_.tile_count; ++t)
+                fetch(task_.tiles[t], held_[t][p]);
+    }
+    SEAWAY_INLINE void fetch_tile(int t, int p) {
+        if (first_[t][p] == held_[t][p])
+            return;
+        if constexpr (mixed_already)
+            fetch_mixed(task_.tiles[t], first_[t][p]);
+        else
+            fetch(task_.tiles[t], first_[t][p]);
+    }
+
+    SEAWAY_INLINE void look_up(int p) {
+        if (phase_ == Phase::cascades && cold_[p])
+            sum_cascade(p);
+        if (phase_ == Phase::newton && going_[p])
+            sum_all(p);
+        if (phase_ == Phase::rates && points_.solved[p])
+            sum_rates(p);
+    }
+    SEAWAY_INLINE void follow() {
+        if (phase_ == Phase::cascades)
+            step_to_next();
+        if (phase_ == Phase::newton)
+            step();
+        ++count_;
+        if (phase_ == Phase::rates)
+            phase_ = Phase::done;
+    }
+
+    SEAWAY_INLINE void add_tile(int t, int p, Sums<W>& sums) {
         const PointTile& tile = task_.tiles[t];
-        Patch& patch = patches_[t][p];
-        if constexpr (mixed_already) {
-            patch.first = first_[t][p];
-            return sample<W>(tile, tile.mixed + patch.first / mixed_share, tile.pitch / mixed_share,
-                             points_.fraction_x[t][p], points_.fraction_y[t][p]);
+        const int first = first_[t][p];
+        if constexpr (mixed_already)
+            add(weights_[t], p, tile.mixed + first / mixed_share, tile.pitch / mixed_share, sums);
+        else {
+            if (first != held_[t][p])
+                mix<W>(tile, points_.weights[p][t], first, patches_[t][p]);
+            add(weights_[t], p, patches_[t][p].texels[0], Patch::pitch, sums);
         }
-        if (patch.first != first_[t][p])
-            mix<W>(tile, points_.weights[p][t], first_[t][p], patch);
-        return sample<W>(tile, patch.texels[0], Patch::pitch, points_.fraction_x[t][p],
-                         points_.fraction_y[t][p]);
+        held_[t][p] = first;
+    }
+    SEAWAY_INLINE void sum_cascade(int p) {
+        Sums<W> sums;
+        add_tile(count_, p, sums);
+        *reinterpret_cast<F4*>(points_.value[p]) = sums.value.together();
+        *reinterpret_cast<F4*>(points_.d_dx[p]) += sums.d_dx.together();
+        *reinterpret_cast<F4*>(points_.d_dy[p]) += sums.d_dy.together();
+    }
+    SEAWAY_INLINE void sum_all(int p) {
+        Sums<W> sums;
+        for (int t = 0; t < task_.tile_count; ++t)
+            add_tile(t, p, sums);
+        *reinterpret_cast<F4*>(points_.value[p]) = sums.value.together();
+        *reinterpret_cast<F4*>(points_.d_dx[p]) = sums.d_dx.together();
+        *reinterpret_cast<F4*>(points_.d_dy[p]) = sums.d_dy.together();
+    }
+    SEAWAY_INLINE void sum_rates(int p) {
+        Sums<W> sums;
+        for (int t = 0; t < task_.tile_count; ++t) {
+            Patch patch;
+            mix<W, true>(task_.tiles[t], points_.weights[p][t], held_[t][p], patch);
+            add(weights_[t], p, patch.texels[0], Patch::pitch, sums);
+        }
+        *reinterpret_cast<F4*>(points_.rate[p]) = sums.value.together();
     }
 
     /// Of those in `moving`.
@@ -190,16 +278,7 @@ class Block {
     }
 
     /// What the earlier cascades do is taken to be linear meanwhile, and is solved for.
-    SEAWAY_INLINE void add_cascade(int t) {
-        look(t);
-        fetch_what_is_new(t, cold_);
-        for (int p = 0; p < points_.count; ++p)
-            if (cold_[p]) {
-                const Here one = here(t, p);
-                *reinterpret_cast<F4*>(points_.value[p]) = one.value;
-                add(points_.d_dx[p], one.d_dx);
-                add(points_.d_dy[p], one.d_dy);
-            }
+    SEAWAY_INLINE void step_to_next() {
         constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
         move(Step(task_, points_, task_.choppiness_x * column<dx>(points_.value),
                   task_.choppiness_y * column<dy>(points_.value)),
@@ -208,32 +287,15 @@ class Block {
             cold_[p] = cold_[p] && going_[p];
     }
 
-    SEAWAY_INLINE void newton(bool first) {
-        for (int t = 0; t < task_.tile_count; ++t) {
-            look(t);
-            if (first)
-                fetch_what_is_new(t, going_);
-        }
-        for (int p = 0; p < points_.count; ++p)
-            if (going_[p]) {
-                Here sum{};
-                for (int t = 0; t < task_.tile_count; ++t) {
-                    const Here one = here(t, p);
-                    sum.value += one.value;
-                    sum.d_dx += one.d_dx;
-                    sum.d_dy += one.d_dy;
-                }
-                *reinterpret_cast<F4*>(points_.value[p]) = sum.value;
-                *reinterpret_cast<F4*>(points_.d_dx[p]) = sum.d_dx;
-                *reinterpret_cast<F4*>(points_.d_dy[p]) = sum.d_dy;
-            }
+    /// Newton's, from the place that was looked up.
+    SEAWAY_INLINE void step() {
         constexpr int dx = spline_channel::displacement_x, dy = spline_channel::displacement_y;
         const D8 x_m = each(points_.shift_x_m) + task_.choppiness_x * column<dx>(points_.value);
         const D8 y_m = each(points_.shift_y_m) + task_.choppiness_y * column<dy>(points_.value);
         const D8 residual_m2 = x_m * x_m + y_m * y_m;
-        const Step step(task_, points_, x_m, y_m);
+        const Step next(task_, points_, x_m, y_m);
         const L8 there = residual_m2 <= D8{} + task_.tolerance_m * task_.tolerance_m;
-        const L8 gentle = step.determinant > D8{} + fold_suspected_below;
+        const L8 gentle = next.determinant > D8{} + fold_suspected_below;
         bool moving[lanes];
         for (int p = 0; p < lanes; ++p) {
             moving[p] = going_[p] && !there[p];
@@ -243,39 +305,57 @@ class Block {
                 points_.residual_m[p] = __builtin_sqrt(residual_m2[p]);
             }
         }
-        move(step, moving);
-    }
-
-    SEAWAY_INLINE void add_rates(int p) {
-        F4 rate{};
-        for (int t = 0; t < task_.tile_count; ++t) {
-            const PointTile& tile = task_.tiles[t];
-            Patch patch;
-            mix<W, true>(tile, points_.weights[p][t], patches_[t][p].first, patch);
-            rate += sample<W>(tile, patch.texels[0], Patch::pitch, points_.fraction_x[t][p],
-                              points_.fraction_y[t][p])
-                        .value;
-        }
-        *reinterpret_cast<F4*>(points_.rate[p]) = rate;
+        move(next, moving);
     }
 
     const PointTask& task_;
     PointBlock& points_;
-    bool going_[lanes]; ///< not solved, and not for the careful solver
-    bool cold_[lanes];  ///< of those: nothing is known of where it is
+    Phase phase_ = Phase::cascades;
+    int count_ = 0;        ///< cascades or steps that the phase has behind it
+    bool fetched_ = false; ///< what the next look-up needs
+    bool going_[lanes];    ///< not solved, and not for the careful solver
+    bool cold_[lanes];     ///< of those: nothing is known of where it is
     /// The points in the world on each tile, texels.
-    alignas(64) double base_x_[PointBlock::tiles_max][lanes];
-    alignas(64) double base_y_[PointBlock::tiles_max][lanes];
-    alignas(32) int first_[PointBlock::tiles_max][lanes]; ///< Patch::first of the place
-    Patch patches_[PointBlock::tiles_max][lanes];
+    alignas(64) double base_x_[tiles_max][lanes];
+    alignas(64) double base_y_[tiles_max][lanes];
+    /// The place's 4 x 4 coefficients, floats from the beginning of the map; and of what was looked up last.
+    alignas(32) int first_[tiles_max][lanes];
+    int held_[tiles_max][lanes];
+    LaneWeights weights_[tiles_max]; ///< at the place
+    Patch patches_[mixed_already ? 1 : tiles_max][lanes];
 };
 
+template <class Some>
+void solve_in_turns(const PointTask& task, PointBlock& first, PointBlock& second) {
+    Some one(task, first), other(task, second);
+    while (!one.done() || !other.done()) {
+        if (!one.done())
+            one.go_on(&other);
+        if (!other.done())
+            other.go_on(&one);
+    }
+}
+
+template <class Some>
+void solve_alone(const PointTask& task, PointBlock& points) {
+    for (Some one(task, points); !one.done();)
+        one.go_on(nullptr);
+}
+
 template <int W>
-void solve_points(const PointTask& task, PointBlock& points) {
-    if (task.tiles[0].mixed != nullptr)
-        Block<W, true>(task, points).run();
+void solve_points(const PointTask& task, PointBlock& first, PointBlock* second) {
+    constexpr int most = PointBlock::tiles_max,
+                  few = 4; // patches of more would take too much of a stack twice
+    if (second != nullptr && task.tiles[0].mixed != nullptr)
+        solve_in_turns<Block<W, true, most>>(task, first, *second);
+    else if (second != nullptr && task.tile_count <= few)
+        solve_in_turns<Block<W, false, few>>(task, first, *second);
     else
-        Block<W, false>(task, points).run();
+        for (PointBlock* points : {&first, second})
+            if (points != nullptr && task.tiles[0].mixed != nullptr)
+                solve_alone<Block<W, true, most>>(task, *points);
+            else if (points != nullptr)
+                solve_alone<Block<W, false, most>>(task, *points);
 }
 
 template <int W>

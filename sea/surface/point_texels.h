@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The texels around a point, for point_kernel_impl.h: how they are fetched, mixed in time, and summed. Of internal
-// linkage, as all of it is.
+// The texels around a point, for point_kernel_impl.h: how they are fetched and mixed in time. Of internal linkage, as all
+// of it is.
 #pragma once
 
 #include "sea/surface/maps/spline_channels.h"
-#include "sea/surface/maps/spline_weights.h"
 #include "sea/surface/point_kernel.h"
 
 #define SEAWAY_INLINE [[gnu::always_inline]] inline
@@ -25,14 +24,6 @@ constexpr int channels = spline_channel::count;
 struct alignas(64) Patch {
     static constexpr int pitch = 16;
     float texels[16][4];
-    int first; ///< of its 4 x 4 coefficients, floats from the beginning of the map
-};
-
-/// At one point, by channel.
-struct Here {
-    F4 value;
-    F4 d_dx;
-    F4 d_dy;
 };
 
 /// Floats of a mixed map for each of a keyframe's.
@@ -123,84 +114,6 @@ SEAWAY_INLINE void mix(const PointTile& tile, const PointWeights& weights, int f
             for (int i = 0; i < 4; ++i)
                 *reinterpret_cast<F4*>(patch.texels[4 * j + i]) =
                     mixed<W, vb>(before + i * channels, after + i * channels, w);
-    }
-    patch.first = first;
-}
-
-/// The sum over i of column[i] weight[i], as (0 + 2) + (1 + 3).
-SEAWAY_INLINE F4 across(const F4 (&column)[4], F4 weight) {
-    return (column[0] * weight[0] + column[2] * weight[2]) +
-           (column[1] * weight[1] + column[3] * weight[3]);
-}
-
-/// Weights along x of coefficient `first` and those after it, each as often as it has channels.
-template <class V>
-SEAWAY_INLINE void weights_along_x(float fraction, int first, V& weight, V& derivative) {
-    const auto piece = [first](int n) {
-        V all;
-        for (int i = 0; i < static_cast<int>(sizeof(V) / sizeof(float)); ++i)
-            all[i] = spline_pieces[n][first + i / 4];
-        return all;
-    };
-    spline_weights(fraction, piece, weight, derivative);
-}
-
-/// Of 4 x 4 texels, `pitch` floats a row.
-template <int W>
-SEAWAY_INLINE Here sample(const PointTile& tile, const float* texels, int pitch, float fraction_x,
-                          float fraction_y) {
-    const auto per_m = static_cast<float>(tile.texels_per_m);
-    F4 wy, dy;
-    spline_weights(fraction_y, wy, dy);
-    dy *= per_m;
-    if constexpr (W == 16) {
-        F16 column{}, slope{};
-        for (int j = 0; j < 4; ++j) {
-            const F16 row = *reinterpret_cast<const F16Unaligned*>(texels + j * pitch);
-            column += wy[j] * row;
-            slope += dy[j] * row;
-        }
-        F16 wx, dx;
-        weights_along_x(fraction_x, 0, wx, dx);
-        dx *= per_m;
-        const auto sum = [](const F16& all) {
-            const F8 both = __builtin_shufflevector(all, all, 0, 1, 2, 3, 4, 5, 6, 7) +
-                            __builtin_shufflevector(all, all, 8, 9, 10, 11, 12, 13, 14, 15);
-            return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
-                   __builtin_shufflevector(both, both, 4, 5, 6, 7);
-        };
-        return {sum(column * wx), sum(column * dx), sum(slope * wx)};
-    } else if constexpr (W == 8) {
-        F8 column[2] = {}, slope[2] = {};
-        for (int j = 0; j < 4; ++j)
-            for (int v = 0; v < 2; ++v) {
-                const F8 two = *reinterpret_cast<const F8Unaligned*>(texels + j * pitch + 8 * v);
-                column[v] += wy[j] * two;
-                slope[v] += dy[j] * two;
-            }
-        F8 wx[2], dx[2];
-        for (int v = 0; v < 2; ++v) {
-            weights_along_x(fraction_x, 2 * v, wx[v], dx[v]);
-            dx[v] *= per_m;
-        }
-        const auto sum = [](const F8(&c)[2], const F8(&w)[2]) {
-            const F8 both = c[0] * w[0] + c[1] * w[1];
-            return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
-                   __builtin_shufflevector(both, both, 4, 5, 6, 7);
-        };
-        return {sum(column, wx), sum(column, dx), sum(slope, wx)};
-    } else {
-        F4 wx, dx;
-        spline_weights(fraction_x, wx, dx);
-        dx *= per_m;
-        F4 column[4] = {}, slope[4] = {};
-        for (int j = 0; j < 4; ++j)
-            for (int i = 0; i < 4; ++i) {
-                const F4 texel = *reinterpret_cast<const F4Unaligned*>(texels + j * pitch + 4 * i);
-                column[i] += wy[j] * texel;
-                slope[i] += dy[j] * texel;
-            }
-        return {across(column, wx), across(column, dx), across(slope, wx)};
     }
 }
 

@@ -15,6 +15,8 @@ namespace seaway::sea {
 
 namespace {
 
+constexpr std::size_t answered_at_once = 2 * PointBlock::size;
+
 void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample& a,
          const SplineSample& b) {
     using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y,
@@ -148,7 +150,7 @@ class Surface::TimesOfBlock {
     }
 
   private:
-    static constexpr std::size_t places = PointBlock::size + 1;
+    static constexpr std::size_t places = answered_at_once + 1;
     AtTime* place(std::size_t n) {
         return std::launder(reinterpret_cast<AtTime*>(room_ + n * sizeof(AtTime)));
     }
@@ -290,8 +292,8 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
                            std::span<const PointTile> tiles,
                            std::span<const AtTime* const> then) const {
     const auto terms = [&](std::size_t i) { return how.terms.empty() ? nullptr : &how.terms[i]; };
-    PointBlock block;
-    std::array<std::size_t, PointBlock::size> point_of;
+    std::array<PointBlock, 2> blocks;
+    std::array<std::size_t, answered_at_once> point_of;
     std::size_t count = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const QueryPoint& point = points[i];
@@ -299,35 +301,42 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
             answers[i] = careful(point, *then[i], terms(i));
             continue;
         }
-        block.x_m[count] = point.x_m;
-        block.y_m[count] = point.y_m;
-        block.weights[count] = then[i]->weights.data();
+        PointBlock& block = blocks[count / PointBlock::size];
+        const std::size_t lane = count % PointBlock::size;
+        block.x_m[lane] = point.x_m;
+        block.y_m[lane] = point.y_m;
+        block.weights[lane] = then[i]->weights.data();
         const PointMemory last = how.memory.empty() ? PointMemory{} : how.memory[i];
         // Where no point comes from nothing is looked up: not a number is further than that, too.
-        block.warm[count] =
+        block.warm[lane] =
             last.known && std::hypot(last.shift_x_m, last.shift_y_m) <= 2 * folds_.reach_m;
-        block.shift_x_m[count] = last.shift_x_m;
-        block.shift_y_m[count] = last.shift_y_m;
+        block.shift_x_m[lane] = last.shift_x_m;
+        block.shift_y_m[lane] = last.shift_y_m;
         point_of[count++] = i;
     }
     if (count == 0)
         return;
-    block.count = static_cast<int>(count);
+    blocks[0].count = static_cast<int>(std::min<std::size_t>(count, PointBlock::size));
+    blocks[1].count = static_cast<int>(count) - blocks[0].count;
     kernel.solve({tiles.data(), static_cast<int>(tiles.size()), choppiness_.x, choppiness_.y,
                   tolerance_m_, 2 * folds_.reach_m, how.parts == AnswerParts::all},
-                 block);
-    std::array<SurfaceSheets::Cells, PointBlock::size> cells;
-    for (std::size_t p = 0; p < count; ++p) {
+                 blocks[0], blocks[1].count > 0 ? &blocks[1] : nullptr);
+    std::array<SurfaceSheets::Cells, answered_at_once> cells;
+    for (std::size_t k = 0; k < count; ++k) {
+        const PointBlock& block = blocks[k / PointBlock::size];
+        const std::size_t p = k % PointBlock::size;
         for (std::size_t c = 0; c < tiles_.size(); ++c)
-            cells[p][c] = {block.cell_x[c][p], block.cell_y[c][p]};
+            cells[k][c] = {block.cell_x[c][p], block.cell_y[c][p]};
         if (block.solved[p])
-            then[point_of[p]]->sheets.fetch(cells[p]);
+            then[point_of[k]]->sheets.fetch(cells[k]);
     }
-    for (std::size_t p = 0; p < count; ++p) {
-        const std::size_t i = point_of[p];
+    for (std::size_t k = 0; k < count; ++k) {
+        const PointBlock& block = blocks[k / PointBlock::size];
+        const std::size_t p = k % PointBlock::size;
+        const std::size_t i = point_of[k];
         const Vec2 target{points[i].x_m, points[i].y_m};
         const Vec2 root{target.x + block.shift_x_m[p], target.y + block.shift_y_m[p]};
-        const bool settled = block.solved[p] && then[i]->sheets.single(target, root, cells[p]);
+        const bool settled = block.solved[p] && then[i]->sheets.single(target, root, cells[k]);
         answers[i] = settled ? gentle(block, p, *then[i], how.parts, terms(i))
                              : careful(points[i], *then[i], terms(i));
         if (!how.memory.empty())
@@ -346,8 +355,8 @@ void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answe
     const auto answer_some = [&](std::size_t first, std::size_t end,
                                  std::span<const PointTile> tiles) {
         while (first < end) {
-            const std::size_t count = std::min<std::size_t>(PointBlock::size, end - first);
-            std::array<const AtTime*, PointBlock::size> then;
+            const std::size_t count = std::min(answered_at_once, end - first);
+            std::array<const AtTime*, answered_at_once> then;
             for (std::size_t i = 0; i < count; ++i)
                 then[i] = &times.at(points[first + i].time_us);
             Answering some = how;

@@ -13,9 +13,10 @@ inline constexpr float spline_pieces[4][4] = {{1.0f / 6, 2.0f / 3, 1.0f / 6, 0.0
                                               {-1.0f / 6, 0.5f, -0.5f, 1.0f / 6}};
 
 /// Weights of coefficients around a point and their derivatives by f, side by side in vectors V of floats: of those whose
-/// powers piece(0) to piece(3) hold.
-template <class V, class Piece>
-[[gnu::always_inline]] inline void spline_weights(float f, Piece piece, V& weight, V& derivative) {
+/// powers piece(0) to piece(3) hold. F: a float, or a vector V of several points'.
+template <class F, class V, class Piece>
+[[gnu::always_inline]] inline void spline_weights(const F& f, Piece piece, V& weight,
+                                                  V& derivative) {
     const V c0 = piece(0), c1 = piece(1), c2 = piece(2), c3 = piece(3);
     weight = c0 + f * (c1 + f * (c2 + f * c3));
     derivative = c1 + f * (2.0f * c2 + f * (3.0f * c3));
