@@ -80,8 +80,9 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
             adopted = joining_ == joining; // else adopt() sees the end
             changed_.notify_all();
         }
-        if (events_.on_closed)
+        if (events_.on_closed && !joining->end_told)
             events_.on_closed(told(reason, Failure::lost));
+        joining->end_told = true; // whatever there is no memory for from here on
         if (adopted && options_.stays_lost)
             say_status();
     };
@@ -190,6 +191,7 @@ void Client::forget_furthest_state() {
     const bool last = away_us(sea_states_.back()) > away_us(sea_states_[1]); // which ends the first
     const auto gone = last ? std::prev(sea_states_.end()) : sea_states_.begin();
     forget_waves((*gone)->epoch);
+    seen_until_us_.erase((*gone)->epoch);
     sea_states_.erase(gone);
 }
 
@@ -380,7 +382,8 @@ OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
 
 Client::SeaThen Client::sea_then(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    SeaThen then{sea_state_held(time_us), nullptr, {}, known_from_held()};
+    SeaThen then{sea_state_held(time_us), nullptr, {}, {}};
+    then.known = known_held(*then.state);
     for (const SeaStatePtr& state : sea_states_) { // by their beginning
         if (state->start_time_us > time_us) {
             then.span.until_us = state->start_time_us;
@@ -396,12 +399,10 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
                                  std::span<const QueryPoint> points, std::span<Answer> answers,
                                  const Sampling& how) const {
     const sea::FieldSet fields = sampled_fields();
-    KnownSeas known{std::numeric_limits<TimeUs>::min(), ring};
     HeldSurfaces::Lent surface;
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
         const SeaThen then = sea_then(time_us);
-        known.from_us = std::max(known.from_us, then.known_from_us);
         TimeSpan span = then.span;
         if (!then.waves) {
             splines_ahead_ = splines_ahead_max;
@@ -427,14 +428,13 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
             if (how.parts == sea::AnswerParts::height)
                 for (Answer& answer : answered)
                     leave_out_velocity(answer);
-            continue;
-        }
-        surface->surface.answer(asked, answered, some);
-        if (!surface->covers)
-            for (Answer& answer : answered)
-                answer.flags |= sea::answer_extrapolated;
+        } else
+            surface->surface.answer(asked, answered, some);
+        for (std::size_t i = 0; i < asked.size(); ++i)
+            if (!then.known.has(asked[i].time_us) || (!then.waves && !surface->covers))
+                answered[i].flags |= sea::answer_extrapolated;
     }
-    if (!mark_stale(known, points, answers, how.terms))
+    if (!mark_stale(points, answers, how.terms))
         return failed(
             Failure::not_held,
             "the connection is lost, and the keyframes that are held end before that time");

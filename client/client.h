@@ -41,6 +41,7 @@
 #include "base/result.h"
 #include "client/held/keyframe_ring.h"
 #include "client/held_surfaces.h"
+#include "client/joining.h"
 #include "client/link/clock.h"
 #include "client/link/connection.h"
 #include "client/link/kept.h"
@@ -205,18 +206,6 @@ class Client {
                           const Asking& asking);
 
     using ConnectionPtr = std::shared_ptr<Connection>;
-    /// One connection, as far as this client is concerned: what came before it is known whether its sea is the same.
-    struct Joining {
-        struct Look {
-            LocalUs sent_us, received_us;
-            sea::TimeUs elapsed_us, unsure_us;
-        };
-        std::vector<Look> looks;
-        std::vector<sea::Pace> paces;
-        std::uint32_t told_epoch_max = 0; ///< of the seas that it told of
-        bool joined = false;
-        std::optional<Error> end;
-    };
     using JoiningPtr = std::shared_ptr<Joining>;
 
     Client(ConnectOptions options, ClientEvents events, RingLimits limits);
@@ -297,13 +286,11 @@ class Client {
 
     /// mutex_ held. Is nothing heard of the server, or of it that it is not sure of its sea?
     bool silent(LocalUs now_us) const;
-    sea::TimeUs known_from_held() const; ///< mutex_ held
-    /// To be read before answers are made.
-    KnownSeas known(const KeyframeRing& ring) const;
-    /// Flags what the server may know more about, and times of which it is not known which sea ran. False: an answer is of no
-    /// keyframes, and no server is there to send some.
-    bool mark_stale(const KnownSeas& known, std::span<const sea::QueryPoint> points,
-                    std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {},
+    KnownSea known_held(const SeaState& state) const; ///< mutex_ held
+    KnownSea known_sea(sea::TimeUs time_us) const;    ///< read before answers are made
+    /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to send some.
+    bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                    std::span<sea::ErrorTerms> terms = {},
                     std::span<double> moved_off_m = {}) const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
@@ -338,6 +325,9 @@ class Client {
     Result<bool> try_hold(std::span<const sea::TimeUs> times_us, double timeout_s,
                           sea::FieldSet also);
     bool seas_are(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> expected) const;
+    void note_seen(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> sent);
+    /// It is not known which sea runs then, and the server can say.
+    bool to_be_seen(sea::TimeUs time_us) const;
     /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
     Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
@@ -363,7 +353,7 @@ class Client {
         SeaStatePtr state;
         OwnSeaPtr waves;
         TimeSpan span;
-        sea::TimeUs known_from_us; ///< KnownSeas::from_us
+        KnownSea known;
     };
     SeaThen sea_then(sea::TimeUs time_us) const;
     Result<void> sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
@@ -425,7 +415,8 @@ class Client {
     std::atomic<int> seas_ = 0; ///< changed before what is held of the one before is dropped
     bool resuming_ = false;     ///< from the end of a connection until all is subscribed to again
     sea::TimeUs told_from_us_ = 0; ///< the beginning of the sea that a connection began with
-    LocalUs heard_at_us_ = 0;      ///< when the server was sure of its sea, as far as it is known
+    std::map<std::uint32_t, sea::TimeUs> seen_until_us_; ///< by epoch: KnownSea
+    LocalUs heard_at_us_ = 0; ///< when the server was sure of its sea, as far as it is known
     sea::TimeUs heard_us_ = std::numeric_limits<sea::TimeUs>::min(); ///< sea time then
     bool unsure_ = false;                                            ///< so it says itself
     Unheard missed_;    ///< of the last connection that ended, where the sea was changed meanwhile

@@ -136,6 +136,14 @@ bool Client::seas_are(std::span<const std::pair<TimeUs, SeaStatePtr>> expected) 
     });
 }
 
+bool Client::to_be_seen(TimeUs time_us) const {
+    const std::scoped_lock lock(mutex_);
+    if (silent(local_now_us())) // nobody could say
+        return false;
+    const KnownSea known = known_held(*sea_state_held(time_us));
+    return !known.has(time_us) || (missed_.contains(time_us) && time_us > known.seen_until_us);
+}
+
 Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, sea::FieldSet also) {
     for (int telling = 0;; ++telling) {
         SEAWAY_TRY_LET(const bool held, try_hold(times_us, timeout_s, also));
@@ -156,7 +164,8 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
     for (const TimeUs time_us : times_us) {
         const SeaStatePtr state = sea_state(time_us);
         expected.emplace_back(time_us, state);
-        if (!cells.insert({state->epoch, time_cell(*state, time_us)}).second)
+        if (!cells.insert({state->epoch, time_cell(*state, time_us)}).second &&
+            !to_be_seen(time_us))
             continue;
         const std::size_t room = cells_at_once(*state, fields);
         if (cells.size() > room)
@@ -164,7 +173,7 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
                           fmt::format("times in {} or more different intervals: this client holds "
                                       "the keyframes around {} of them at once",
                                       cells.size(), room));
-        if (!wanted.add(*state, time_us, fields))
+        if (!wanted.add(*state, time_us, fields) || to_be_seen(time_us))
             missing.push_back(time_us);
     }
     SEAWAY_TRY(fetch(missing, fields, timeout_s));
@@ -173,7 +182,10 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
         const std::scoped_lock lock(mutex_); // a sea may be forgotten meanwhile, on another thread
         wanted.give_to(ring_, fields);
     }
-    return seas_are(expected);
+    if (!seas_are(expected))
+        return false;
+    note_seen(expected);
+    return true;
 }
 
 std::size_t Client::batch_end(std::span<const QueryPoint> points,
@@ -188,8 +200,10 @@ std::size_t Client::batch_end(std::span<const QueryPoint> points,
         if (sea_state(time_us) != state)
             break;
         TimeCell cell_now = time_cell(*state, time_us);
-        if (!times_us.empty() && cell_now == cell)
+        if (!times_us.empty() && cell_now == cell) {
+            times_us.back() = time_us; // a sea that runs then has run before
             continue;
+        }
         if (times_us.size() == cells_max)
             break;
         times_us.push_back(time_us);
@@ -222,12 +236,15 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
         std::vector<std::pair<TimeUs, SeaStatePtr>> expected;
         for (const TimeUs time_us : times_us) {
             expected.emplace_back(time_us, sea_state(time_us));
-            if (!wanted.add(*expected.back().second, time_us, fields))
+            if (!wanted.add(*expected.back().second, time_us, fields) || to_be_seen(time_us))
                 missing.push_back(time_us);
         }
         SEAWAY_TRY(fetch(missing, fields, timeout_s));
-        if (!seas_are(expected) && tellings++ < tellings_max)
-            continue;
+        if (!seas_are(expected)) {
+            if (tellings++ < tellings_max)
+                continue;
+        } else
+            note_seen(expected);
         tellings = 0;
         std::vector<Answer> sampled(batch.size());
         HeldSurfaces surfaces;

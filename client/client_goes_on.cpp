@@ -321,10 +321,14 @@ void Client::join(Joining& joining, const SeaState& state) {
         status_.reason = fmt::format("another sea than before: {}", another);
         forget_sea();
     } else if (!first) {
-        if (std::ranges::find(sea_states_, state.epoch, &SeaState::epoch) == sea_states_.end())
-            missed_ = {heard_us_ <= missed_.until_us ? std::min(missed_.from_us, heard_us_)
-                                                     : heard_us_, // long after that
+        if (std::ranges::find(sea_states_, state.epoch, &SeaState::epoch) == sea_states_.end()) {
+            const bool apart =
+                heard_us_ > missed_.until_us; // what was missed before is not told of any more
+            if (apart)
+                told_from_us_ = std::max(told_from_us_, missed_.until_us);
+            missed_ = {apart ? heard_us_ : std::min(missed_.from_us, heard_us_),
                        std::max(heard_us_, state.start_time_us)};
+        }
         clock_.begin_anew();
     }
     if (first)
@@ -378,6 +382,7 @@ void Client::forget_sea() {
     paces_ = {};
     shown_us_ = heard_us_ = std::numeric_limits<TimeUs>::min();
     missed_ = {};
+    seen_until_us_.clear();
     not_offered_ = {};
     grant_.reset();
     times_taken_max_ = std::numeric_limits<std::size_t>::max();

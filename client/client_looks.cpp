@@ -112,21 +112,24 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
     for (const sea::QueryPoint& point : points)
         SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<std::vector<Water>> {
-        const KnownSeas known_seas = known(ring_);
         std::vector<Water> water(points.size());
         for (std::size_t first = 0; first < points.size();) {
             std::size_t end = first + 1;
             while (end < points.size() && points[end].time_us == points[first].time_us)
                 ++end;
-            SEAWAY_TRY(look_at(points.subspan(first, end - first), looking,
-                               std::span(water).subspan(first, end - first)));
+            const KnownSea known = known_sea(points[first].time_us);
+            const std::span<Water> found = std::span(water).subspan(first, end - first);
+            SEAWAY_TRY(look_at(points.subspan(first, end - first), looking, found));
+            if (!known.has(points[first].time_us))
+                for (Water& one : found)
+                    one.answer.flags |= sea::answer_extrapolated;
             first = end;
         }
         std::vector<sea::Answer> answers;
         for (const Water& one : water)
             answers.push_back(one.answer);
         std::vector<double> moved_off_m(points.size(), 0.0);
-        if (!mark_stale(known_seas, points, answers, {}, moved_off_m))
+        if (!mark_stale(points, answers, {}, moved_off_m))
             return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
                                              "held end before that time");
         for (std::size_t i = 0; i < water.size(); ++i) {
@@ -144,7 +147,6 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
     for (const sea::QueryPoint& point : points)
         SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<Below> {
-        const KnownSeas known_seas = known(ring_);
         Below found{std::vector<sea::Answer>(points.size()),
                     std::vector<sea::WaterBelow>(points.size())};
         for (std::size_t first = 0; first < points.size();) {
@@ -152,6 +154,7 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
             std::size_t end = first + 1;
             while (end < points.size() && points[end].time_us == time_us)
                 ++end;
+            const KnownSea known = known_sea(time_us);
             const SeaStatePtr state = sea_state(time_us);
             const OwnSeaPtr waves = own_sea(state);
             if (!waves)
@@ -162,12 +165,15 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
             waves->at(time_us, [&](const RebuiltSea& sea) {
                 const sea::DirectSum::Moment moment =
                     sea.sum().at_time(time_us, felt_cascades(*state, looking));
-                for (std::size_t i = first; i < end; ++i)
+                for (std::size_t i = first; i < end; ++i) {
                     found.answers[i] = sea.answer(points[i], z_m[i], moment, found.water[i]);
+                    if (!known.has(time_us))
+                        found.answers[i].flags |= sea::answer_extrapolated;
+                }
             });
             first = end;
         }
-        (void)mark_stale(known_seas, points, found.answers); // waves go on without a server
+        (void)mark_stale(points, found.answers); // waves go on without a server
         return found;
     });
 }
@@ -232,7 +238,7 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
                                std::span<const std::optional<sea::Field>> channels) const {
     SEAWAY_TRY(check_time(time_us));
     return of_one_sea([&]() -> Result<CascadeMap> {
-        const KnownSeas known_seas = known(ring_);
+        const KnownSea known = known_sea(time_us);
         const SeaStatePtr state = sea_state(time_us);
         const auto index = static_cast<std::size_t>(cascade);
         if (index >= state->cascades.size())
@@ -262,10 +268,10 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
             map.length_m = foam->before->keyframe().length_m;
         }
         sea::Answer marks;
-        if ((held && !held->covers) || (foam && !foam->covers))
+        if ((held && !held->covers) || (foam && !foam->covers) || !known.has(time_us))
             marks.flags |= sea::answer_extrapolated;
         const sea::QueryPoint here{0, 0, time_us};
-        if (!mark_stale(known_seas, {&here, 1}, {&marks, 1}))
+        if (!mark_stale({&here, 1}, {&marks, 1}))
             return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
                                              "held end before that time");
         map.flags = marks.flags;

@@ -21,25 +21,41 @@ bool Client::silent(LocalUs now_us) const {
     return joining_->end || unsure_ || now_us - heard_at_us_ > silent_us;
 }
 
-TimeUs Client::known_from_held() const {
-    // That sea may have been forgotten since.
-    return std::max(told_from_us_, sea_states_.front()->start_time_us);
+KnownSea Client::known_held(const SeaState& state) const {
+    // The sea that it was told of first may have been forgotten since.
+    KnownSea known{std::max(told_from_us_, sea_states_.front()->start_time_us),
+                   state.start_time_us};
+    if (const auto seen = seen_until_us_.find(state.epoch); seen != seen_until_us_.end())
+        known.seen_until_us = seen->second;
+    return known;
 }
 
-KnownSeas Client::known(const KeyframeRing& ring) const {
+KnownSea Client::known_sea(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    return {known_from_held(), ring};
+    return known_held(*sea_state_held(time_us));
 }
 
 bool Client::knows_sea_of(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    return time_us >= known_from_held() &&
-           time_us <= told_until_us(*sea_state_held(heard_us_), heard_us_);
+    const KnownSea known = known_held(*sea_state_held(time_us));
+    if (missed_.contains(time_us))
+        return time_us >= known.start_us && time_us <= known.seen_until_us;
+    return known.has(time_us) && time_us <= told_until_us(*sea_state_held(heard_us_), heard_us_);
 }
 
-bool Client::mark_stale(const KnownSeas& known, std::span<const sea::QueryPoint> points,
-                        std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
-                        std::span<double> moved_off_m) const {
+void Client::note_seen(std::span<const std::pair<TimeUs, SeaStatePtr>> seas) {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [time_us, state] : seas) {
+        // What is to come may be changed yet. A state may have been forgotten meanwhile.
+        if (time_us > heard_us_ || sea_state_held(time_us)->epoch != state->epoch)
+            continue;
+        TimeUs& until_us = seen_until_us_.try_emplace(state->epoch, time_us).first->second;
+        until_us = std::max(until_us, time_us);
+    }
+}
+
+bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                        std::span<sea::ErrorTerms> terms, std::span<double> moved_off_m) const {
     std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
     bool nothing_comes = false;
     {
@@ -54,10 +70,6 @@ bool Client::mark_stale(const KnownSeas& known, std::span<const sea::QueryPoint>
         }))
         return false;
     mark(unheard, points, answers, terms, moved_off_m);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (points[i].time_us < known.from_us &&
-            !known.has(points[i].time_us, *sea_state(points[i].time_us)))
-            answers[i].flags |= sea::answer_extrapolated;
     return true;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "sea/basics/glide.h"
 #include "sea/surface/budget/error_budget.h"
@@ -26,16 +25,6 @@ sea::TimeUs told_until_us(const SeaState& state, sea::TimeUs heard_us) {
     for (const protocol::CascadeInfo& cascade : state.cascades)
         interval_us = std::max(interval_us, cascade.interval_us);
     return heard_us + interval_us + change_told_ahead_us;
-}
-
-bool KnownSeas::has(sea::TimeUs time_us, const SeaState& taken) const {
-    for (std::size_t c = 0; c < taken.cascades.size(); ++c) {
-        const std::optional<KeyframePair> pair = ring.around(
-            static_cast<int>(c), taken.epoch, time_us, taken.cascades[c].interval_us, {});
-        if (pair && pair->covers)
-            return true;
-    }
-    return false;
 }
 
 double stale_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us) {

@@ -14,7 +14,6 @@
 
 #include <limits>
 
-#include "client/held/keyframe_ring.h"
 #include "client/link/connection.h"
 
 namespace seaway::client {
@@ -32,14 +31,17 @@ struct Unheard {
 /// Up to when whoever heard that a server was sure of its sea at `heard_us` has been told of every change.
 sea::TimeUs told_until_us(const SeaState& state, sea::TimeUs heard_us);
 
-/// Of which times a client knows which seas run: from one on, as a server tells of each that comes; before it where keyframes are
-/// held on both sides, of `ring`.
-struct KnownSeas {
-    sea::TimeUs from_us;
-    const KeyframeRing& ring;
+/// Where a client knows that the sea that it takes to run then does: where a server tells of each that comes, and of one before
+/// up to where it was seen, since a sea that runs at a time has run ever since it began. Keyframes prove less: they reach beyond the
+/// end of their sea.
+struct KnownSea {
+    sea::TimeUs told_from_us; ///< of all seas
+    sea::TimeUs start_us;     ///< of this one
+    sea::TimeUs seen_until_us = std::numeric_limits<sea::TimeUs>::min();
 
-    /// Of a time before: `taken` is the sea that is taken to run then.
-    bool has(sea::TimeUs time_us, const SeaState& taken) const;
+    bool has(sea::TimeUs time_us) const {
+        return time_us >= told_from_us || (time_us >= start_us && time_us <= seen_until_us);
+    }
 };
 
 /// What is added to the error of a height about this time; never less at a later one. 0 up to the first moment at which

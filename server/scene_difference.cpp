@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scene_difference.h"
 
+#include <deque>
 #include <map>
 #include <set>
 #include <sstream>
@@ -43,30 +44,35 @@ std::vector<Line> lines_of(const std::string& text) {
 
 std::vector<SceneDifference> scene_differences(const std::string& before,
                                                const std::string& after) {
-    std::multiset<std::pair<std::string, std::string>> held;
     const std::vector<Line> old = lines_of(before), now = lines_of(after);
-    for (const Line& line : old)
-        held.emplace(line.path, line.value);
-    std::vector<const Line*> fresh;
+    std::multiset<std::pair<std::string, std::string>> same;
     for (const Line& line : now)
-        if (const auto same = held.find({line.path, line.value}); same != held.end())
-            held.erase(same);
+        same.emplace(line.path, line.value);
+    std::map<std::string, std::deque<const Line*>> gone; // in the order of the text
+    for (const Line& line : old)
+        if (const auto kept = same.find({line.path, line.value}); kept != same.end())
+            same.erase(kept);
         else
-            fresh.push_back(&line);
+            gone[line.path].push_back(&line);
+    std::multiset<std::pair<std::string, std::string>>& fresh = same; // what is left of it
     std::vector<SceneDifference> differences;
-    for (const Line* line : fresh) {
-        const auto other = held.lower_bound({line->path, {}});
-        if (other == held.end() || other->first != line->path) {
-            differences.push_back({line->path, std::nullopt, line->value});
+    for (const Line& line : now) {
+        const auto one = fresh.find({line.path, line.value});
+        if (one == fresh.end())
             continue;
-        }
-        differences.push_back({line->path, other->second, line->value});
-        held.erase(other);
+        fresh.erase(one);
+        std::deque<const Line*>& before_it = gone[line.path];
+        differences.push_back({line.path, std::nullopt, line.value});
+        if (before_it.empty())
+            continue;
+        differences.back().before = before_it.front()->value;
+        before_it.pop_front();
     }
     for (const Line& line : old)
-        if (const auto gone = held.find({line.path, line.value}); gone != held.end()) {
+        if (std::deque<const Line*>& left = gone[line.path];
+            !left.empty() && left.front() == &line) {
             differences.push_back({line.path, line.value, std::nullopt});
-            held.erase(gone);
+            left.pop_front();
         }
     return differences;
 }

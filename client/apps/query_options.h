@@ -23,7 +23,6 @@ struct QueryOptions {
     std::vector<Place> at;
     std::string points_file;      ///< CSV; "-" is standard input
     std::optional<double> time_s; ///< nothing: now
-    bool has_times = false;       ///< of points or of all
     bool exact = false;
     bool local = false;
     Source source = Source::tiles;

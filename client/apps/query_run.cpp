@@ -26,55 +26,81 @@ using std::chrono::steady_clock;
 /// Where a beat had no answer, the next is no later.
 constexpr std::chrono::milliseconds ask_again{100};
 
-/// Points at their times. `elapsed_us`: since the first answer; times that were given move with it.
-std::vector<sea::QueryPoint> points_at(const std::vector<Place>& places,
-                                       const QueryOptions& options, sea::TimeUs now_us,
-                                       sea::TimeUs elapsed_us) {
+/// The connection has ended, or its server hangs.
+bool has_ended(const Error& error) {
+    const Failure failure = failure_of(error);
+    return failure == Failure::lost || failure == Failure::deadline;
+}
+
+/// What is asked about at once.
+struct Asked {
     std::vector<sea::QueryPoint> points;
-    points.reserve(places.size());
+    std::set<sea::TimeUs> given_us; ///< times that are not now
+    bool now = false;               ///< some are
+};
+
+/// Points at their times. `elapsed_us`: since the first answer; times that were given move with it.
+Asked asked_about(const std::vector<Place>& places, const QueryOptions& options, sea::TimeUs now_us,
+                  sea::TimeUs elapsed_us) {
+    Asked asked;
+    asked.points.reserve(places.size());
     for (const Place& place : places) {
         const std::optional<double> time_s = place.time_s ? place.time_s : options.time_s;
-        points.push_back(
-            {place.x_m, place.y_m, time_s ? sea::us_from_seconds(*time_s) + elapsed_us : now_us});
+        const sea::TimeUs time_us = time_s ? sea::us_from_seconds(*time_s) + elapsed_us : now_us;
+        asked.points.push_back({place.x_m, place.y_m, time_us});
+        if (time_s)
+            asked.given_us.insert(time_us);
+        else
+            asked.now = true;
     }
-    return points;
+    return asked;
 }
 
-/// Points whose sea is not known before it is asked for. Of now it always is.
-bool elsewhen(const Client& client, const QueryOptions& options,
-              std::span<const sea::QueryPoint> points) {
-    return options.source != Source::tiles && options.has_times &&
-           !std::ranges::all_of(points, [&](const sea::QueryPoint& point) {
-               return client.knows_sea_of(point.time_us);
-           });
-}
-
-/// Makes the seas of these points from their scenes, where that is wanted. True: some were not there.
-Result<bool> make_seas(Client& client, const QueryOptions& options,
-                       std::span<const sea::QueryPoint> points) {
-    bool more = false;
-    for (const sea::QueryPoint& point : points)
-        if (options.source == Source::scene &&
-            client.source(point.time_us).source != AnswersFrom::parameters) {
-            SEAWAY_TRY(client.rebuild(point.time_us));
-            more = true;
-        }
-    return more;
-}
-
-/// Has it told which seas run at these times of points, if that is not known.
-Result<void> learn_seas(Client& client, const QueryOptions& options,
-                        std::span<const sea::QueryPoint> points,
-                        std::span<const sea::TimeUs> times_us) {
-    if (!elsewhen(client, options, points))
-        return {};
-    SEAWAY_TRY(client.hold(times_us, options.timeout_s));
-    SEAWAY_TRY(make_seas(client, options, points));
+/// Has it told which seas run at times that were given. Of now it is known, and where nobody is there to say it stays as it is.
+Result<void> learn_seas(Client& client, const QueryOptions& options, const Asked& asked) {
+    // A sea that runs at a time has run since it began, so the last time tells of all of them.
+    for (auto time_us = asked.given_us.rbegin(); time_us != asked.given_us.rend(); ++time_us) {
+        const ClientStatus status = client.status();
+        if (status.state != LinkState::connected || status.stale_s > 0)
+            return {};
+        if (client.knows_sea_of(*time_us))
+            continue;
+        const Result<void> held = client.hold({&*time_us, 1}, options.timeout_s);
+        if (!held && !(options.watch_hz > 0 && has_ended(held.error())))
+            return held.error();
+    }
     return {};
 }
 
-/// From what is held, of the waves that count; keyframes of points that are not streamed are fetched before, those of a few
-/// times after the other.
+bool has_waves(const Client& client, sea::TimeUs time_us) {
+    const AnswersFrom from = client.source(time_us).source;
+    return from == AnswersFrom::parameters || from == AnswersFrom::spectrum;
+}
+
+/// Has the waves of all times here, as far as there are any to be had: seas of scenes are made. Why there are not of all of them.
+Result<std::optional<std::string>> why_no_waves(Client& client, const QueryOptions& options,
+                                                const Asked& asked) {
+    SEAWAY_TRY(learn_seas(client, options, asked));
+    std::set<sea::TimeUs> times_us;
+    for (const sea::QueryPoint& point : asked.points)
+        times_us.insert(point.time_us);
+    std::optional<std::string> why;
+    for (const sea::TimeUs time_us : times_us) {
+        if (options.source == Source::scene &&
+            client.source(time_us).source != AnswersFrom::parameters) {
+            const Result<void> made = client.rebuild(time_us);
+            if (!made && failure_of(made.error()) != Failure::not_held)
+                return made.error();
+            if (!made && !has_waves(client, time_us)) // of a change in its midst there are none
+                why = made.error().message;
+        } else if (!has_waves(client, time_us))
+            why = "the server sends none of far seas";
+    }
+    return why;
+}
+
+/// From what is held, of the waves that count; keyframes of points that have no waves here and are not streamed are fetched
+/// before, those of a few times after the other.
 Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& options,
                                       const sea::Looking& looking,
                                       std::span<const sea::QueryPoint> points) {
@@ -84,16 +110,16 @@ Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& option
         const auto rest = points.subspan(answers.size());
         std::vector<sea::TimeUs> times_us;
         std::size_t end = 0;
-        for (; end < rest.size(); ++end)
-            if (times_us.empty() || times_us.back() != rest[end].time_us) {
-                if (times_us.size() == times_at_once)
-                    break;
-                times_us.push_back(rest[end].time_us);
-            }
-        if (options.source == Source::tiles)
+        for (; end < rest.size(); ++end) {
+            const sea::TimeUs time_us = rest[end].time_us;
+            if (has_waves(client, time_us) || (!times_us.empty() && times_us.back() == time_us))
+                continue;
+            if (times_us.size() == times_at_once)
+                break;
+            times_us.push_back(time_us);
+        }
+        if (!times_us.empty())
             SEAWAY_TRY(client.hold(times_us, options.timeout_s));
-        else
-            SEAWAY_TRY(learn_seas(client, options, rest.first(end), times_us));
         SEAWAY_TRY_LET(const std::vector<Water> water, client.look(rest.first(end), looking));
         for (const Water& one : water)
             answers.push_back(one.answer);
@@ -101,62 +127,45 @@ Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& option
     return answers;
 }
 
-/// Of points whose seas were not known: what is told of with their tiles, and from the waves of a scene where that is wanted. Of far
-/// seas the server sends no others.
-Result<std::vector<sea::Answer>> answers_elsewhen(Client& client, const QueryOptions& options,
-                                                  std::span<const sea::QueryPoint> points) {
-    SEAWAY_TRY_LET(std::vector<sea::Answer> answers,
-                   client.fetch_and_sample(points, options.timeout_s));
-    SEAWAY_TRY_LET(const bool more, make_seas(client, options, points));
-    if (more)
-        return client.fetch_and_sample(points, options.timeout_s);
-    const bool of_tiles = std::ranges::any_of(points, [&](const sea::QueryPoint& point) {
-        const AnswersFrom from = client.source(point.time_us).source;
-        return from == AnswersFrom::tiles || from == AnswersFrom::server;
-    });
-    if (of_tiles && options.watch_hz == 0)
-        complain("seaway-query", 0,
-                 "another sea runs at some of these times, whose waves the server does not send: "
-                 "answered from its tiles");
-    return answers;
-}
-
 Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& options,
-                                            std::span<const sea::QueryPoint> points) {
+                                            const Asked& asked) {
     const sea::Looking looking{.min_wavelength_m = options.min_wavelength_m};
-    if (options.local && looking != sea::Looking{})
-        return look(client, options, looking, points);
-    if (options.local && options.source == Source::tiles)
-        return client.fetch_and_sample(points, options.timeout_s);
-    if (options.local && elsewhen(client, options, points))
-        return answers_elsewhen(client, options, points);
-    if (options.local)
-        return client.sample(points);
-    return client.ask(points, {options.exact, options.timeout_s, looking});
+    if (!options.local)
+        return client.ask(asked.points, {options.exact, options.timeout_s, looking});
+    bool waves = false;
+    if (options.source != Source::tiles) {
+        SEAWAY_TRY_LET(const std::optional<std::string> why, why_no_waves(client, options, asked));
+        waves = !why;
+        if (why && options.watch_hz == 0)
+            complain("seaway-query", 0,
+                     "of some of these times there are no waves: answered from tiles (" + *why +
+                         ")");
+    }
+    if (looking != sea::Looking{})
+        return look(client, options, looking, asked.points);
+    return waves ? client.sample(asked.points)
+                 : client.fetch_and_sample(asked.points, options.timeout_s);
 }
 
 /// Answers, as they are written.
-Result<std::string> rows_of(Client& client, const QueryOptions& options,
-                            std::span<const sea::QueryPoint> points) {
+Result<std::string> rows_of(Client& client, const QueryOptions& options, const Asked& asked) {
     const bool compact = options.watch_hz > 0;
     if (!options.z_m) {
-        SEAWAY_TRY_LET(const std::vector<sea::Answer> answers, answers_to(client, options, points));
-        return output_rows(options.format, points, answers, compact);
+        SEAWAY_TRY_LET(const std::vector<sea::Answer> answers, answers_to(client, options, asked));
+        return output_rows(options.format, asked.points, answers, compact);
     }
-    if (options.local) {
-        std::set<sea::TimeUs> times_us;
-        for (const sea::QueryPoint& point : points)
-            times_us.insert(point.time_us);
-        SEAWAY_TRY(learn_seas(client, options, points,
-                              std::vector<sea::TimeUs>(times_us.begin(), times_us.end())));
+    if (options.local && options.source != Source::tiles) {
+        SEAWAY_TRY_LET(const std::optional<std::string> why, why_no_waves(client, options, asked));
+        if (why)
+            return failed(Failure::not_held, *why);
     }
     const sea::Looking looking{.min_wavelength_m = options.min_wavelength_m};
-    const std::vector<double> z_m(points.size(), *options.z_m);
-    SEAWAY_TRY_LET(
-        const Below found,
-        options.local ? client.below(points, z_m, looking)
-                      : client.ask_below(points, z_m, {options.exact, options.timeout_s, looking}));
-    return output_rows(options.format, points, *options.z_m, found, compact);
+    const std::vector<double> z_m(asked.points.size(), *options.z_m);
+    SEAWAY_TRY_LET(const Below found,
+                   options.local ? client.below(asked.points, z_m, looking)
+                                 : client.ask_below(asked.points, z_m,
+                                                    {options.exact, options.timeout_s, looking}));
+    return output_rows(options.format, asked.points, *options.z_m, found, compact);
 }
 
 using seconds = std::chrono::duration<double>;
@@ -187,10 +196,10 @@ ClientEvents telling() {
     }};
 }
 
-/// Has what the options want to be answered from; of the waves of a scene, anew for each sea.
-Result<void> make_ready(Client& client, const QueryOptions& options) {
+/// Has what the options want to be answered from; of the waves of a scene, anew for each sea. `now`: some points are of now.
+Result<void> make_ready(Client& client, const QueryOptions& options, bool now) {
     if (options.local && options.source == Source::scene)
-        return client.rebuild(client.now_us());
+        return now ? client.rebuild(client.now_us()) : Result<void>{};
     if (options.local && options.source == Source::spectrum) {
         SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
     } else if (options.watch_hz > 0 && options.local) {
@@ -202,12 +211,6 @@ Result<void> make_ready(Client& client, const QueryOptions& options) {
             complain("seaway-query", 0, "granted less: " + grant.why);
     }
     return {};
-}
-
-/// The connection has ended, or its server hangs.
-bool has_ended(const Error& error) {
-    const Failure failure = failure_of(error);
-    return failure == Failure::lost || failure == Failure::deadline;
 }
 
 /// Nothing where the server may still answer, or come back: the error then has been said.
@@ -230,17 +233,14 @@ double next_beat_s(double elapsed_s, double hz) {
     return (std::floor(elapsed_s * hz) + 1) / hz;
 }
 
-Result<void> run_query(const Connect& connect, const QueryOptions& asked,
+Result<void> run_query(const Connect& connect, const QueryOptions& options,
                        const std::vector<Place>& places, const std::atomic<bool>& stop,
                        std::FILE* out) {
-    QueryOptions options = asked;
-    options.has_times = asked.time_s || std::ranges::any_of(places, [](const Place& place) {
-                            return place.time_s.has_value();
-                        });
     const bool watching = options.watch_hz > 0;
     SEAWAY_TRY_LET(const std::unique_ptr<Client> client,
                    connect(watching ? telling() : ClientEvents{}));
-    SEAWAY_TRY(make_ready(*client, options));
+    const bool now = asked_about(places, options, 0, 0).now;
+    SEAWAY_TRY(make_ready(*client, options, now));
     const auto start = steady_clock::now();
     sea::TimeUs start_us = client->now_us();
     std::string text = output_head(options.format, options.z_m.has_value()), said;
@@ -251,12 +251,12 @@ Result<void> run_query(const Connect& connect, const QueryOptions& asked,
             start_us = client->now_us() -
                        sea::us_from_seconds(seconds(steady_clock::now() - start).count());
             if (options.source == Source::scene)
-                SEAWAY_TRY(make_ready(*client, options));
+                SEAWAY_TRY(make_ready(*client, options, now));
         }
         const sea::TimeUs now_us = client->now_us();
-        const std::vector<sea::QueryPoint> points =
-            points_at(places, options, now_us, watching ? now_us - start_us : 0);
-        const Result<std::string> rows = rows_of(*client, options, points);
+        const Result<std::string> rows =
+            rows_of(*client, options,
+                    asked_about(places, options, now_us, watching ? now_us - start_us : 0));
         if (!rows) {
             if (const auto error = watching ? for_good(*client, rows.error(), said) : rows.error())
                 return *error;

@@ -36,8 +36,10 @@ void Connection::on_closed(const std::string& reason) {
         end_with(going_away_.value_or(failed(Failure::lost, reason)), was_open);
     } catch (const std::bad_alloc&) { // maybe why it ends
         // In so few words that they need no memory; what was told of it is not told again.
-        const Failure kind = going_away_ ? failure_of(*going_away_) : Failure::lost;
-        end_with(failed(kind, "no memory"), was_open);
+        Error why = failed(going_away_ ? failure_of(*going_away_) : Failure::lost, "no memory");
+        if (going_away_)
+            why.retry_after_ms = going_away_->retry_after_ms;
+        end_with(why, was_open);
     }
 }
 

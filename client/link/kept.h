@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Kept: what is wanted of a server until it is said otherwise, so that it can be asked for again. The last wish; where that is
-// refused, the last one before it that was granted, or not answered in time: the server may have granted that.
+// refused, the last one before it that was granted, or not answered in time: the server may have granted that. Of those that were
+// not answered in time the last few count.
 //
 // Of several wishes under way replies may come in any order, and of one that is asked for again another one. Not thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "client/link/failure.h"
 
@@ -32,7 +35,8 @@ class Kept {
     }
     /// Nothing is wanted any more, whatever is granted yet of what was asked for before.
     void end() {
-        wanted_ = granted_ = open_ = {};
+        wanted_ = granted_ = {};
+        open_.clear();
         ended_ = last_;
     }
 
@@ -40,26 +44,33 @@ class Kept {
         if (serial <= ended_ || serial < granted_.serial)
             return;
         granted_ = {wish, serial};
+        std::erase_if(open_, [&](const One& one) { return one.serial <= serial; });
         if (serial > wanted_.serial) // one that came after it was refused
             wanted_ = granted_;
     }
     void failed(Serial serial, const Wish& wish, const Error& why) {
         if (why.is(Failure::deadline)) {
-            if (serial > ended_ && serial > open_.serial)
-                open_ = {wish, serial};
+            const auto after = std::ranges::lower_bound(open_, serial, {}, &One::serial);
+            if (serial <= ended_ || serial < granted_.serial ||
+                (after != open_.end() && after->serial == serial))
+                return;
+            open_.insert(after, {wish, serial});
+            if (open_.size() > open_max)
+                open_.erase(open_.begin());
             return;
         }
-        if (serial == open_.serial)
-            open_ = {};
+        std::erase_if(open_, [&](const One& one) { return one.serial == serial; });
         if (serial == wanted_.serial)
-            wanted_ = open_.serial > granted_.serial ? open_ : granted_;
+            wanted_ = open_.empty() ? granted_ : open_.back();
     }
 
   private:
+    static constexpr std::size_t open_max = 8;
+
     One wanted_, granted_;
-    One open_;         ///< not answered in time
-    Serial last_ = 0;  ///< asked for
-    Serial ended_ = 0; ///< the last one before an end
+    std::vector<One> open_; ///< not answered in time, by serial; later than what was granted
+    Serial last_ = 0;       ///< asked for
+    Serial ended_ = 0;      ///< the last one before an end
 };
 
 } // namespace seaway::client

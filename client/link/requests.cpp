@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/link/requests.h"
 
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +13,16 @@ namespace {
 
 Error late() {
     return failed(Failure::deadline, "the server did not answer in time");
+}
+
+/// In so few words that they need no memory, where there is none: who waits is told in any case.
+template <class Make>
+Result<Reply> reply_of_failure(Failure kind, const Make& make) {
+    try {
+        return make();
+    } catch (const std::bad_alloc&) {
+        return failed(kind, "no memory");
+    }
 }
 
 } // namespace
@@ -143,7 +154,7 @@ void Requests::expire(TimeUs now_us) {
             }
     }
     for (const ReplyHandler& handler : expired)
-        handler(late());
+        handler(reply_of_failure(Failure::deadline, late));
 }
 
 void Requests::abandon(Lane lane, const Error& error) {
@@ -161,7 +172,7 @@ void Requests::abandon(Lane lane, const Error& error) {
         state(lane).in_flight = 0;
     }
     for (const ReplyHandler& handler : failed_handlers)
-        handler(error);
+        handler(reply_of_failure(failure_of(error), [&] { return error; }));
 }
 
 void Requests::fail_all(const Error& error) {

@@ -77,14 +77,22 @@ sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, double z_m,
     return answer;
 }
 
+namespace {
+
+Result<void> can_be_compared(const protocol::SeaStateValues& state) {
+    if (!state.probes.empty())
+        return {};
+    return failed(Failure::not_held,
+                  state.glide ? fmt::format("the sea changes until {:g} s, and no probes tell "
+                                            "whether one that is made from its scene is the same",
+                                            sea::seconds_from_us(state.glide->end_us))
+                              : "the server sent no probes to know a rebuilt sea by");
+}
+
+} // namespace
+
 Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea) {
-    if (state.probes.empty())
-        return failed(Failure::not_held,
-                      state.glide ? fmt::format("the sea changes until {:g} s, and no probes tell "
-                                                "whether one that is made from its scene "
-                                                "is the same",
-                                                sea::seconds_from_us(state.glide->end_us))
-                                  : "the server sent no probes to know a rebuilt sea by");
+    SEAWAY_TRY(can_be_compared(state));
     const sea::ProbeDifference off = sea::compare(sea.sum(), state.probes);
     const double height_m = sea.error().height_m + state.probe_error_m;
     const double displacement_m = sea.error().displacement_m + state.probe_error_m;
@@ -97,6 +105,7 @@ Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea
 }
 
 Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state) {
+    SEAWAY_TRY(can_be_compared(state)); // before anything is made
     if (state.scene.empty())
         return failed(Failure::not_held, "the server sent no scene to rebuild its sea from");
     const Result<sea::Scene> scene = sea::parse_scene(state.scene, "the server's scene");

@@ -47,6 +47,31 @@ TEST_F(LiveSameSea, a_server_that_does_not_know_the_sea_that_should_run_has_anot
     }
 }
 
+// Naive: one span of time that was missed is remembered, and a second one makes the first one known.
+TEST_F(LiveSameSea, what_was_missed_in_one_outage_is_not_known_after_the_next) {
+    const auto client = Client::connect({.url = url});
+    ASSERT_TRUE(client) << client.error().message;
+    const sea::TimeUs begin_us = sea.sea_time_us();
+    const auto miss_a_change = [&](std::uint32_t epoch, int connections) {
+        const sea::TimeUs now_us = sea.sea_time_us();
+        sea.told_epoch = epoch;
+        sea.told_from_us = now_us + 300'000;
+        line->cut();
+        EXPECT_TRUE(eventually([&] { return (*client)->status().connections == connections; }));
+        EXPECT_TRUE(eventually([&] { return (*client)->now_us() > now_us + 600'000; }));
+        return now_us + 200'000;
+    };
+    const sea::TimeUs first_us = miss_a_change(sea.epoch + 1, 2);
+    EXPECT_TRUE((*client)->knows_sea_of(begin_us - 500'000));
+    EXPECT_FALSE((*client)->knows_sea_of(first_us)) << "it is to be asked for";
+    EXPECT_TRUE((*client)->knows_sea_of((*client)->now_us()));
+    const sea::TimeUs second_us = miss_a_change(sea.epoch + 2, 3);
+    ASSERT_EQ((*client)->status().seas, 1) << (*client)->status().reason;
+    EXPECT_FALSE((*client)->knows_sea_of(first_us));
+    EXPECT_FALSE((*client)->knows_sea_of(second_us));
+    EXPECT_TRUE((*client)->knows_sea_of((*client)->now_us()));
+}
+
 // What it does not know of cannot have been taken back: its log has not been heard since before.
 TEST_F(LiveSameSea, a_server_that_lags_behind_its_log_is_not_taken_for_another) {
     sea.told_from_us = -60'000'000;

@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <string>
 
+#include <signal.h>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -51,14 +54,9 @@ class OtherSeas : public testing::Test {
         url = server.wait_until_ready();
         ASSERT_FALSE(url.empty()) << server.log();
     }
-};
 
-// Naive: a program that has connected a moment ago takes the sea of now for that of any time, and its waves have their bound there;
-// or it asks for one other sea, and takes that for all between.
-TEST_F(OtherSeas, who_asks_from_waves_is_answered_from_the_sea_of_each_time) {
-    const std::string places =
-        tests::folder().write("times.csv", "3,4,-350\n3,4,-250\n3,4,-150\n3,4,-50\n3,4,60\n5,6\n");
-    const auto asked = [&](const std::string& how) {
+    /// What seaway-query says, which must end well.
+    nlohmann::json answers(const std::string& how) const {
         std::FILE* pipe =
             popen((SEAWAY_BIN_DIR "/seaway-query " + url + " --format json " + how).c_str(), "r");
         std::string text;
@@ -67,23 +65,87 @@ TEST_F(OtherSeas, who_asks_from_waves_is_answered_from_the_sea_of_each_time) {
             text.append(buffer, got);
         EXPECT_EQ(pclose(pipe), 0) << how;
         return nlohmann::json::parse(text, nullptr, false);
-    };
-    const nlohmann::json exact = asked("--exact --points " + places);
+    }
+};
+
+// Naive: a program that has connected a moment ago takes the sea of now for that of any time, and its waves have their bound there;
+// or it asks for one other sea, and takes that for all between.
+TEST_F(OtherSeas, who_asks_from_waves_is_answered_from_the_sea_of_each_time) {
+    const std::string places =
+        tests::folder().write("times.csv", "3,4,-350\n3,4,-250\n3,4,-150\n3,4,-50\n3,4,60\n5,6\n");
+    const nlohmann::json exact = answers("--exact --points " + places);
     ASSERT_EQ(exact.size(), 6u);
     for (const char* how : {"", "--from spectrum", "--from scene"}) {
-        const nlohmann::json answers = asked("--points " + places + " --local " + how);
-        ASSERT_EQ(answers.size(), exact.size()) << how;
+        const nlohmann::json here = answers("--points " + places + " --local " + how);
+        ASSERT_EQ(here.size(), exact.size()) << how;
         for (std::size_t i = 0; i + 1 < exact.size(); ++i) { // the last one is of another now
             EXPECT_LE(
-                std::abs(answers[i]["height_m"].get<double>() - exact[i]["height_m"].get<double>()),
-                answers[i]["error_m"].get<double>() + 1e-8)
+                std::abs(here[i]["height_m"].get<double>() - exact[i]["height_m"].get<double>()),
+                here[i]["error_m"].get<double>() + 1e-8)
                 << how << ' ' << i;
-            EXPECT_EQ(answers[i]["flags"], 0) << how << ' ' << i;
+            EXPECT_EQ(here[i]["flags"], 0) << how << ' ' << i;
         }
     }
-    const nlohmann::json below = asked("--at 3,4 --time -250 --z -1 --local --from scene");
+    const nlohmann::json below = answers("--at 3,4 --time -250 --z -1 --local --from scene");
     EXPECT_NEAR(below.at(0)["surface_m"].get<double>(), exact[1]["height_m"].get<double>(), 1e-5);
     EXPECT_EQ(below.at(0)["flags"], 0);
+}
+
+// Naive: keyframes on both sides are of one sea, so that sea ran between them. The last ones of a sea reach beyond its end.
+TEST_F(OtherSeas, keyframes_of_a_sea_behind_its_end_do_not_prove_it) {
+    const auto client = connect(url);
+    ASSERT_TRUE(client);
+    constexpr sea::TimeUs end_us = -300'000'000, within_us = end_us - 1000;
+    ASSERT_TRUE(client->hold({&within_us, 1}, 30));
+    ASSERT_TRUE(client->rebuild(within_us));
+    const auto answer_at = [&](sea::TimeUs time_us) {
+        const sea::QueryPoint point{3, 4, time_us};
+        return client->sample({&point, 1}).value()[0];
+    };
+    const sea::TimeUs behind_us = end_us + 500'000;
+    EXPECT_EQ(answer_at(within_us).flags, 0u);
+    EXPECT_EQ(answer_at(behind_us).flags & sea::answer_extrapolated, sea::answer_extrapolated);
+    const std::uint32_t first = client->sea_state(behind_us)->epoch;
+    ASSERT_TRUE(client->hold({&behind_us, 1}, 30));
+    EXPECT_NE(client->sea_state(behind_us)->epoch, first) << "the server was asked";
+    EXPECT_EQ(answer_at(behind_us).flags & sea::answer_extrapolated, 0u);
+}
+
+// Naive: one row in a change, which has no scene of its own, and none is answered; or more times than a client holds keyframes of.
+TEST_F(OtherSeas, rows_in_a_change_are_answered_from_tiles_and_many_times_from_waves) {
+    const auto asked = [&](const std::string& how, const std::string& places) {
+        return answers("--points " + tests::folder().write("rows.csv", places) + ' ' + how);
+    };
+    const nlohmann::json mixed = asked("--local --from scene", "5,6\n3,4,-290\n3,4,-350\n");
+    const nlohmann::json exact = asked("--exact", "3,4,-290\n3,4,-350\n");
+    ASSERT_EQ(mixed.size(), 3u);
+    for (std::size_t i = 0; i < 2; ++i)
+        EXPECT_LE(
+            std::abs(mixed[i + 1]["height_m"].get<double>() - exact[i]["height_m"].get<double>()),
+            mixed[i + 1]["error_m"].get<double>());
+    std::string many;
+    for (int i = 0; i < 60; ++i)
+        many += fmt::format("3,4,{}\n", -700 + 5 * i);
+    const nlohmann::json below = asked("--local --from scene --z -1", many);
+    EXPECT_EQ(below.size(), 60u);
+    for (const nlohmann::json& row : below)
+        EXPECT_EQ(row["flags"], 0);
+}
+
+// Naive: whoever watches a time that was given asks the server about it at every beat, and has nothing to say once that is gone.
+TEST_F(OtherSeas, who_watches_a_given_time_from_waves_goes_on_without_its_server) {
+    std::FILE* pipe = popen(("timeout 30 " SEAWAY_BIN_DIR "/seaway-query " + url +
+                             " --at 3,4 --time 1000 --local --from scene --watch 10 --format json "
+                             "| awk '{print; fflush()} /\"flags\": ?128/ {exit}'")
+                                .c_str(),
+                            "r");
+    std::string last;
+    char line[1024];
+    for (int rows = 0; std::fgets(line, sizeof line, pipe) != nullptr; last = line)
+        if (++rows == 3)
+            kill(server.pid(), SIGKILL);
+    pclose(pipe);
+    EXPECT_NE(last.find("128"), std::string::npos) << last;
 }
 
 // Naive: from the first sea that it was ever told of, a client knows them all.
@@ -101,9 +163,11 @@ TEST_F(OtherSeas, what_ran_between_two_that_a_client_was_told_of_it_does_not_kno
     constexpr std::uint32_t unknown = sea::answer_extrapolated;
     EXPECT_EQ(flags_at(old_us), 0u) << "its keyframes say which sea it was";
     EXPECT_EQ(flags_at(between_us), unknown);
-    EXPECT_EQ(flags_at(old_us - 100'000'000), unknown);
+    EXPECT_EQ(flags_at(old_us - 100'000'000), 0u) << "a sea that runs has run since it began";
+    EXPECT_EQ(flags_at(old_us + 1'000'000), unknown) << "it may have ended meanwhile";
     EXPECT_EQ(flags_at(client->now_us()), 0u);
-    EXPECT_FALSE(client->knows_sea_of(old_us));
+    EXPECT_TRUE(client->knows_sea_of(old_us));
+    EXPECT_FALSE(client->knows_sea_of(between_us));
     EXPECT_TRUE(client->knows_sea_of(client->now_us()));
     EXPECT_FALSE(client->knows_sea_of(client->now_us() + 60'000'000));
 }

@@ -78,6 +78,14 @@ TEST(SceneDifference, rows_of_a_table_are_values_of_its_key_however_often_they_s
     ASSERT_EQ(other.size(), 1u);
     EXPECT_EQ(other[0].before, "5,1,0,0");
     EXPECT_EQ(other[0].after, "6,1,0,0");
+    // Naive: as they sort, where 10 comes before 5.
+    const std::string two = "[[sea.system]]\ndata = \"\"\"\n5,1,0,0\n10,1,0,0\n\"\"\"\n";
+    const auto both = scene_differences(two, with(with(two, "5,1", "5,2"), "10,1", "10,2"));
+    ASSERT_EQ(both.size(), 2u);
+    EXPECT_EQ(both[0].before, "5,1,0,0");
+    EXPECT_EQ(both[0].after, "5,2,0,0");
+    EXPECT_EQ(both[1].before, "10,1,0,0");
+    EXPECT_EQ(both[1].after, "10,2,0,0");
 }
 
 } // namespace

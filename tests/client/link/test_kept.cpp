@@ -65,6 +65,23 @@ TEST(Kept, what_was_not_answered_in_time_stays_wanted) {
     EXPECT_EQ(kept.wanted(), 1);
 }
 
+// Naive: one place for what was not answered in time, and the older one, that the server streams, is forgotten.
+TEST(Kept, of_two_that_were_not_answered_in_time_the_older_stays_where_the_other_is_refused) {
+    Kept<int> kept;
+    kept.granted(kept.ask(1), 1);
+    const auto two = kept.ask(2), three = kept.ask(3);
+    const Error late = failed(Failure::deadline, "late");
+    kept.failed(two, 2, late);
+    kept.failed(three, 3, late);
+    EXPECT_EQ(kept.wanted(), 3);
+    kept.failed(three, 3, refused);
+    EXPECT_EQ(kept.wanted(), 2);
+    kept.granted(two, 2);
+    kept.failed(kept.ask(4), 4, refused);
+    EXPECT_EQ(kept.wanted(), 2);
+    EXPECT_EQ(kept.wanted_one().serial, two);
+}
+
 TEST(Kept, what_was_granted_is_wanted_though_it_is_refused_on_the_way_back) {
     Kept<int> kept;
     const auto one = kept.ask(1);
