@@ -198,6 +198,9 @@ class Quantiser {
         return bits;
     }
 
+    /// Of which no code is too long.
+    double finest_m() const { return largest_m_ / code_max; }
+
     /// The widest steps that are good enough. Noise grows with the step, and no faster than its square where it
     /// is above what is wanted, so that each try is nearer.
     SpectrumSteps widest(double length_m) const {
@@ -207,10 +210,9 @@ class Quantiser {
             const double step = steps.of(wave.k(), 0);
             even.add(wave, step * step / 6.0);
         }
-        // Below this no code is too long; above it, all of them are 0.
-        const double finest_m = largest_m_ / code_max, widest_m = 1e3 * largest_m_;
-        const auto within = [&](double step_m) { return std::clamp(step_m, finest_m, widest_m); };
-        double low_m = finest_m, high_m = widest_m;
+        const double widest_m = 1e3 * largest_m_; // above it all codes are 0
+        const auto within = [&](double step_m) { return std::clamp(step_m, finest_m(), widest_m); };
+        double low_m = finest_m(), high_m = widest_m;
         double try_m = within(1.0 / std::sqrt(share_of_wanted(even)));
         for (int n = 0; n < tries; ++n) {
             const double share = share_of_wanted(noise_with({try_m, length_m}));
@@ -275,18 +277,30 @@ class Quantiser {
         });
     }
 
+    struct Layers {
+        std::vector<Piece> pieces; ///< in the order in which they are sent
+        Noise left;                ///< once all of them are there
+    };
+
     /// Both layers; one where that is small enough.
-    std::vector<Piece> layers(const SpectrumSteps& steps) const {
+    Layers layers(const SpectrumSteps& steps) const {
         std::vector<Piece> coarse;
         Rest rest;
+        const auto made = [&] {
+            Noise left;
+            for (std::size_t w = 0; w < waves_.size(); ++w)
+                left.add(waves_[w], std::norm(rest[w]));
+            return Layers{std::move(coarse), left};
+        };
         for (int shift = 0; shift <= WaveBlock::shift_max; ++shift) {
             rest = all_of_it();
             coarse = layer(steps, shift, rest);
             if (bytes_of(coarse) <= coarse_bytes)
                 break;
         }
-        if (coarse.empty() || coarse.front().block.shift == 0)
-            return coarse;
+        // A layer so coarse that all of it is 0 says nothing: then the fine one says it all.
+        if (!coarse.empty() && coarse.front().block.shift == 0)
+            return made();
         std::vector<Piece> fine = layer(steps, 0, rest);
         const auto most_first = [](const Piece& a, const Piece& b) {
             return a.worth() > b.worth();
@@ -294,13 +308,23 @@ class Quantiser {
         std::stable_sort(coarse.begin(), coarse.end(), most_first);
         std::stable_sort(fine.begin(), fine.end(), most_first);
         coarse.insert(coarse.end(), fine.begin(), fine.end());
-        return coarse;
+        return made();
     }
 
     void fill(QuantisedSpectrum& result) const {
-        const std::vector<Piece> all = layers(result.steps);
+        Layers made = layers(result.steps);
+        // The second layer begins where the first has left it, and may end on the other side of what is wanted.
+        for (int n = 0; n < tries && share_of_wanted(made.left) > 1.0; ++n) {
+            const double finer_m =
+                0.99 / std::sqrt(share_of_wanted(made.left)) * result.steps.step_m;
+            if (finer_m < finest_m())
+                break;
+            result.steps.step_m = finer_m;
+            made = layers(result.steps);
+        }
+        const std::vector<Piece>& all = made.pieces;
         // From the end, so that what is left is a sum of small numbers and no difference of large ones.
-        Noise left = noise_with(result.steps);
+        Noise left = made.left;
         result.left.resize(all.size());
         for (std::size_t n = all.size(); n-- > 0;) {
             result.left[n] = left.left();

@@ -83,9 +83,13 @@ Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, s
     const sea::RealizationPtr envelope = glide->change.envelope();
     sea::ErrorBudget budget = sea::plan_budget(*envelope, to.scene.accuracy.height_error_m,
                                                shorter_intervals(from.budget, to.budget));
-    // What follows from heights does so in water of one depth.
-    const auto depth_m = [](const RunningSea& sea) { return sea.scene.sea.depth_m; };
-    budget.displacement_follows = budget.displacement_follows && depth_m(from) == depth_m(to);
+    // What follows from heights does so in water of one depth. A glide that is cut is somewhere between its two.
+    const auto deep_as = [](const sea::CascadeModes& a, const sea::CascadeModes& b) {
+        return a.depth_m == b.depth_m;
+    };
+    budget.displacement_follows =
+        budget.displacement_follows &&
+        std::ranges::equal(from.waves_at(start_us)->cascades, to.realization->cascades, deep_as);
     return std::make_shared<const RunningSea>(
         RunningSea{epoch, to.scene, glide->change.after(), std::move(budget), to.offered,
                    to.summary, to.truth, to.foam_law, to.certificate, std::move(glide)});

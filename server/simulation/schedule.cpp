@@ -6,9 +6,21 @@
 #include <numeric>
 #include <tuple>
 
+#include "server/host/grant.h"
+
 namespace seaway::server {
 
 using sea::TimeUs;
+
+namespace {
+
+/// What has to be made of a sea: beside what is asked for what follows in the seas that it was granted for, and not in this one.
+sea::FieldSet to_make_of(const Demand& demand, const RunningSea& sea) {
+    return demand.fields |
+           demand.follows.without(follows_of(sea.budget, sea.streamed(), demand.quality));
+}
+
+} // namespace
 
 TimeUs interval_start(TimeUs time_us, TimeUs interval_us) {
     const TimeUs rest = time_us % interval_us;
@@ -49,7 +61,7 @@ std::vector<KeyframeRequest> keyframes_around(const std::function<SeaOfTime(Time
                 sea->budget.cascades[static_cast<std::size_t>(c)].interval_us;
             const TimeUs start_us = interval_start(time_us, interval_us);
             for (const TimeUs t_us : {start_us, start_us + interval_us})
-                wanted.push_back({c, t_us, demand.fields, epoch});
+                wanted.push_back({c, t_us, to_make_of(demand, *sea), epoch});
         }
     }
     const auto order = [](const KeyframeRequest& r) {
@@ -209,7 +221,8 @@ std::vector<KeyframeRequest> Schedule::current(const Demand& demand, TimeUs now_
         Stream at{around(lane, now_us)};
         at.main.time_us -= at.main.interval_us;
         const auto add = [&](const Place& place) {
-            wanted.push_back({static_cast<int>(c), place.time_us, demand.fields, place.sea->epoch});
+            wanted.push_back({static_cast<int>(c), place.time_us, to_make_of(demand, *place.sea),
+                              place.sea->epoch});
         };
         const auto has = [](const Stream& stream, const Place& place) {
             for (const Place& last : {stream.main, stream.following.value_or(stream.main)})

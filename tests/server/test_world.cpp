@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "server/host/refusal.h"
@@ -202,6 +203,27 @@ TEST(World, displacements_that_follow_from_heights_are_granted_and_not_sent) {
     const FieldSet some{Field::height, Field::displacement_x, Field::displacement_y_rate};
     EXPECT_EQ(granted(some, true), Pair(FieldSet{Field::height, Field::displacement_y_rate},
                                         FieldSet{Field::displacement_x}));
+}
+
+// Naive: by the depths of the two scenes. One that is cut on the way is still deeper than the one that it leads to.
+TEST(World, displacements_do_not_follow_while_the_depth_of_a_glide_that_was_cut_goes_on) {
+    const auto made = [](std::uint32_t epoch, double depth_m, double wind_mps) {
+        std::string text = small_sea;
+        text.replace(text.find("= 9.0"), 5, fmt::format("= {:.1f}", wind_mps));
+        text.replace(text.find("seed = 7"), 8, fmt::format("seed = 7\ndepth_m = {:.1f}", depth_m));
+        const Result<sea::Scene> scene = sea::parse_scene(text, "depths", ".");
+        EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+        return *make_running_sea(*scene, epoch);
+    };
+    const RunningSeaPtr deep = made(1, 100, 9), tide = made(3, 30, 9), windy = made(5, 30, 10);
+    constexpr sea::TimeUs s = 1'000'000;
+    const RunningSeaPtr to_tide = *make_glide(*deep, *tide, 2, 0, 60 * s);
+    EXPECT_FALSE(to_tide->budget.displacement_follows);
+    const RunningSeaPtr cut = *make_glide(*to_tide, *windy, 4, 16 * s, 46 * s);
+    EXPECT_FALSE(cut->budget.displacement_follows) << "it goes on being shallower";
+    const RunningSeaPtr same = *make_glide(*tide, *windy, 4, 70 * s, 100 * s);
+    EXPECT_TRUE(same->budget.displacement_follows);
+    EXPECT_TRUE((*make_glide(*same, *tide, 6, 80 * s, 110 * s))->budget.displacement_follows);
 }
 
 // Naive: whatever follows is named. A client would move points of a sea that is offered without sideways motion.

@@ -14,6 +14,7 @@ namespace {
 
 using testing::one_wave;
 using testing::realized;
+using testing::swell_sea;
 using testing::three_cascades;
 using testing::windy_sea;
 
@@ -182,6 +183,27 @@ TEST(QuantisedSpectrum, a_sea_that_rounds_to_nothing_says_what_is_missed) {
     expect_near(waves.left.at(0), waves.without);
     expect_near(waves.left[0], difference(*sea, rebuilt(*sea, state, waves)));
     EXPECT_GT(waves.left[0].height_m, 0.0);
+}
+
+// Naive: the first layer that is small enough comes first, also where it is so coarse that all of it is 0: then nothing comes, and a
+// client has a flat sea of which it is told that nothing is missed.
+TEST(QuantisedSpectrum, is_as_good_as_wanted_of_every_narrow_swell) {
+    int two_layers = 0;
+    for (const double period_s : {4.0, 6.0, 9.0})
+        for (const double height_m : {0.3, 0.5, 1.0})
+            for (const double exponent : {5.0, 30.0})
+                for (const double wanted_m : {0.02, 0.05, 0.15, 0.3}) {
+                    const SeaState state = swell_sea(height_m, period_s, 0.3, exponent);
+                    const RealizationPtr sea = realized(state, {{700.0, 256}, {90.0, 128}});
+                    const QuantisedSpectrum waves = quantise(*sea, {wanted_m, 0.005});
+                    const SpectrumLeft left = difference(*sea, rebuilt(*sea, state, waves));
+                    expect_near(waves.left.back(), left);
+                    EXPECT_LE(spectrum_sigmas * left.height_m, wanted_m)
+                        << height_m << " m, " << period_s << " s, " << exponent;
+                    EXPECT_LE(spectrum_sigmas * left.slope, 0.005);
+                    two_layers += waves.blocks.front().shift > 0;
+                }
+    EXPECT_GT(two_layers, 0);
 }
 
 TEST(QuantisedSpectrum, a_sea_without_waves_needs_no_block) {
