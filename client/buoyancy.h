@@ -13,8 +13,9 @@
  *   with depth below short waves, so that hulls that reach deeper than a tenth of a wavelength feel too much of it.
  * - Drag on each wetted panel, against the water's velocity at the surface: `linear_drag` times the flow, all of it
  *   (waves that the hull makes, friction), and quadratic_drag * density / 2 * |v| v of the flow across the panel.
- * - Added mass is a coefficient for each axis, times mass and inertia; it has no Munk moment, and the water's own
- *   acceleration acts on the mass alone.
+ * - Added mass is a coefficient for each axis, times mass and inertia, in the air as in the water. Momentum is what lasts where a
+ *   body turns, with Munk's moment, which takes a slender hull that is under way broadside on, as it does ships: drag at the stern, or a rudder,
+ *   holds its course. The water's own acceleration acts on the mass alone.
  *   The heave of a body that floats is then (m + a33) z'' + b33 z' + c33 z = F, c33 = density g * waterplane (SNAME, Principles of
  *   Naval Architecture III, Motions in Waves), which test Buoyancy holds it against.
  *
@@ -83,11 +84,11 @@ static inline void seaway_hull_load(const seaway_hull* hull, const seaway_body* 
                                     const seaway_point* points, const seaway_answer* answers,
                                     double later_s, seaway_load* load);
 
-/* Moves the body on by step_s, 0 to 1 s, which starts at the time of the points. SEAWAY_BAD_ARGUMENT: any number of water, hull or
+/* Moves the body on by step_s, 0 to 1 s, which starts at the time of the points. SEAWAY_BAD_ARGUMENT: a step outside of that, or one
+ * that takes more than SEAWAY_PARTS_MAX parts (of a light or slender hull take shorter steps); any number of water, hull or
  * body that is none, or from which none follows, a normal of no length, a hull without parts; the body stays where it was. Whether
  * corners of triangles are vertices, seaway_hull_fault alone looks at: ask it once for a hull from elsewhere. */
-#define SEAWAY_PARTS_MAX                                                                           \
-    1000 /* of a step; a hull that needs more is lighter than a toy for its size */
+#define SEAWAY_PARTS_MAX 1000
 static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body* body,
                                            const seaway_point* points, const seaway_answer* answers,
                                            double step_s);

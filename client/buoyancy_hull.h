@@ -220,20 +220,23 @@ static inline const char* seaway_hull_fault(const seaway_hull* hull) {
     return NULL;
 }
 
-/* One part of a step: the velocities first, by the forces where the body is, then the places by the new velocities, which
- * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. Drag is
+/* One part of a step: the momenta first, by the forces where the body is, then the places by the new velocities, which
+ * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. A body with
+ * added mass is heavier along some of its axes: its momentum lasts while it turns, not its velocity, and pulls it around (Munk's moment,
+ * without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
  * divided by 1 + twice what it would do within the part, since off the centre what it does along and around may add up: it slows, and
  * never reverses. A weight that drag alone bears sinks faster by that: short steps are right. */
 static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const seaway_load* load,
                                double part_s) {
-    double lighter[3], lazier[3], inertia[3], rows[3][3], gained[3], momentum[3], turn[3], half[4];
-    double force[3], torque[3], least_kg = HUGE_VAL, least_kgm2 = HUGE_VAL;
+    double mass[3], lighter[3], lazier[3], inertia[3], rows[3][3], turn[3], half[4];
+    double pushed[3], momentum[3], munk[3], force[3], torque[3];
+    double least_kg = HUGE_VAL, least_kgm2 = HUGE_VAL;
     for (int i = 0; i < 3; ++i) {
-        const double kg = hull->mass_kg * (1 + hull->added_mass[i]);
+        mass[i] = hull->mass_kg * (1 + hull->added_mass[i]);
         inertia[i] = hull->inertia_kgm2[i] * (1 + hull->added_inertia[i]);
-        lighter[i] = 1 / kg;
+        lighter[i] = 1 / mass[i];
         lazier[i] = 1 / inertia[i];
-        least_kg = fmin(least_kg, kg);
+        least_kg = fmin(least_kg, mass[i]);
         least_kgm2 = fmin(least_kgm2, inertia[i]);
     }
     const double slowed = 1 / (1 + 2 * part_s * load->drag_nspm / least_kg);
@@ -244,8 +247,11 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
     }
     force[2] -= hull->mass_kg * SEAWAY_GRAVITY_MPS2;
     seaway_rows(body->orientation, rows);
-    seaway_along_axes(rows, lighter, force, gained);
-    seaway_add(body->velocity_mps, part_s, gained);
+    seaway_along_axes(rows, mass, body->velocity_mps, pushed);
+    seaway_add(pushed, part_s, force);
+    seaway_along_axes(rows, lighter, pushed, body->velocity_mps);
+    seaway_cross(pushed, body->velocity_mps, munk);
+    seaway_add(torque, 1, munk);
     seaway_add(body->position_m, part_s, body->velocity_mps);
     /* Angular momentum is what lasts: a body that spins freely keeps it, at any length of step. */
     seaway_along_axes(rows, inertia, body->angular_velocity_radps, momentum);
@@ -263,6 +269,7 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
     seaway_turn(body->orientation, turn);
     seaway_rows(body->orientation, rows);
     seaway_along_axes(rows, lazier, momentum, body->angular_velocity_radps);
+    seaway_along_axes(rows, lighter, pushed, body->velocity_mps);
 }
 
 static inline int seaway_is_known(const seaway_answer* water) {

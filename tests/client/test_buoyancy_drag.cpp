@@ -67,5 +67,83 @@ TEST(Buoyancy, a_box_that_nothing_slows_rolls_and_pitches_for_ever_and_no_faster
         EXPECT_NEAR(most, most_j[0], 0.3 * most_j[0]);
 }
 
+/// Of the body with what it drags along.
+double kinetic_j(const Floating& floating) {
+    double rows[3][3], along[3], around[3], mass[3], inertia[3];
+    for (int i = 0; i < 3; ++i) {
+        mass[i] = floating.hull.mass_kg * (1 + floating.hull.added_mass[i]);
+        inertia[i] = floating.hull.inertia_kgm2[i] * (1 + floating.hull.added_inertia[i]);
+    }
+    seaway_rows(floating.body.orientation, rows);
+    seaway_along_axes(rows, mass, floating.body.velocity_mps, along);
+    seaway_along_axes(rows, inertia, floating.body.angular_velocity_radps, around);
+    return 0.5 * (seaway_dot(along, floating.body.velocity_mps) +
+                  seaway_dot(around, floating.body.angular_velocity_radps));
+}
+
+// Naive: a force changes the velocity along each axis of the body, and velocity is what lasts while it turns: then turning alone makes
+// energy, or loses it. By Kirchhoff's equations it does neither.
+TEST(Buoyancy, a_body_with_added_mass_that_turns_has_no_more_energy_than_before) {
+    Floating canoe;
+    canoe.hull.added_mass[0] = 0.1;
+    canoe.hull.added_mass[1] = 0.6;
+    canoe.hull.added_mass[2] = 1.2;
+    canoe.roll_to(30);
+    const double pitched[3] = {0, 0.4, 0};
+    seaway_turn(canoe.body.orientation, pitched);
+    canoe.body.position_m[2] = 1e5; // far above the water
+    canoe.body.velocity_mps[0] = 3;
+    canoe.body.angular_velocity_radps[1] = 0.5;
+    canoe.body.angular_velocity_radps[2] = 0.2;
+    const auto energy_j = [&] {
+        return kinetic_j(canoe) +
+               canoe.hull.mass_kg * SEAWAY_GRAVITY_MPS2 * (canoe.body.position_m[2] - 1e5);
+    };
+    const double before_j = energy_j();
+    double most_j = 0;
+    for (int i = 0; i < 2400; ++i) { // 10 s
+        ASSERT_EQ(canoe.ride(still_water, 0, frame_s / 4), SEAWAY_OK);
+        most_j = std::max(most_j, kinetic_j(canoe));
+        // Of first order in the step: a thousandth of what comes and goes.
+        ASSERT_NEAR(energy_j(), before_j, 0.01 * most_j) << i;
+    }
+    EXPECT_GT(most_j, 20 * before_j);
+}
+
+// Found by a stranger: 50 m/s from a fall of 1.5 m.
+TEST(Buoyancy, a_box_with_added_mass_that_was_dropped_askew_gets_no_faster_whatever_the_step) {
+    for (const double step_s : {1.0 / 240, 1.0 / 60, 0.1, 1.0})
+        for (const double drag : {0.0, 1.0, 10.0}) {
+            Floating box;
+            box.hull.added_mass[2] = 0.8;
+            box.hull.linear_drag = drag;
+            box.roll_to(25);
+            const double pitched[3] = {0, 0.4, 0};
+            seaway_turn(box.body.orientation, pitched);
+            box.body.position_m[2] = 1.5;
+            for (int i = 0; i < static_cast<int>(600 / step_s); ++i) {
+                ASSERT_EQ(box.ride(still_water, 0, step_s), SEAWAY_OK);
+                // It has fallen 2 m until it floats: 6 m/s if all of that went into the lightest direction.
+                ASSERT_LT(seaway_length(box.body.velocity_mps), 6) << step_s << ' ' << drag;
+                ASSERT_LT(std::abs(box.body.position_m[2]), 2.1) << step_s << ' ' << drag;
+            }
+        }
+}
+
+// Naive: whoever needs many parts weighs nothing.
+TEST(Buoyancy, a_slender_hull_is_refused_steps_that_are_too_long_for_it) {
+    Floating canoe;
+    seaway_box(6, 0.8, 0.35, canoe.vertices_m, canoe.triangles);
+    canoe.hull.mass_kg = 110;
+    const double square_m2[3] = {36, 0.64, 0.1225};
+    for (int i = 0; i < 3; ++i)
+        canoe.hull.inertia_kgm2[i] = 110.0 / 12 * (square_m2[(i + 1) % 3] + square_m2[(i + 2) % 3]);
+    ASSERT_EQ(seaway_hull_fault(&canoe.hull), nullptr);
+    EXPECT_EQ(canoe.ride(still_water, 0, 1), SEAWAY_BAD_ARGUMENT);
+    EXPECT_EQ(canoe.body.velocity_mps[2], 0);
+    EXPECT_EQ(canoe.ride(still_water, 0, 0.5), SEAWAY_OK);
+    EXPECT_NE(canoe.body.velocity_mps[2], 0);
+}
+
 } // namespace
 } // namespace seaway::tests

@@ -5,7 +5,7 @@
 // on its journal each hour; the client is the same one throughout and comes back by itself.
 //
 //     load_soak                                   24 h of the gale, a moment every 5 s: 17 280 moments
-//     load_soak --hours 0.5 --step 30             as ./dev test runs it
+//     load_soak --hours 0.5 --step 10 --restart 600 --cut 200 --growth 1     as ./dev test runs it
 //
 // Times are those of one sea from its beginning on, which a restarted server has to go on with: the answers at the first
 // moment are asked for again after each restart, and have to be the same bits. Prints how many answers were held to the

@@ -327,9 +327,22 @@ TEST_F(LightTest, deep_water_has_the_colour_of_its_body) {
     const Sky& sky = sky_at_hour(12);
     camera_.pitch_deg = -75; // down: 2 % is mirrored, the rest is the water
     const Picture picture = render(flat_sea(), sky, DebugView::final, {.air = false});
-    const float* pixel = picture.pixel(picture.width / 2, picture.height / 2);
+    const int x = picture.width / 2, y = picture.height / 2;
+    const float* pixel = picture.pixel(x, y);
     EXPECT_GT(pixel[2], pixel[1]); // blue before green before red: clear ocean water
     EXPECT_GT(pixel[1], 1.5f * pixel[0]);
+    const glm::dvec3 reflectance(0.008, 0.024, 0.026); // client/view/view_values
+    const glm::dvec3 down = sky.sky_irradiance() + sky.sun_irradiance() * sky.sun_direction().z;
+    const glm::dvec3 d = ray(x, y);
+    const double fresnel = 0.02 + 0.98 * std::pow(1 + d.z, 5);
+    const double turn = std::remainder(
+        std::atan2(d.y, d.x) - std::atan2(sky.sun_direction().y, sky.sun_direction().x), 2 * M_PI);
+    const glm::dvec3 mirrored = sky.radiance(std::asin(-d.z), std::abs(turn));
+    for (int c = 0; c < 3; ++c) // 3 %: texels of the sky, and a tint that flat water does not have
+        EXPECT_NEAR(static_cast<double>(pixel[c]) /
+                        (fresnel * mirrored[c] + (1 - fresnel) * reflectance[c] * down[c] / M_PI),
+                    1, 0.03)
+            << c;
 }
 
 TEST_F(LightTest, displacement_fades_where_the_mesh_cannot_carry_it) {

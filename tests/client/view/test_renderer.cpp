@@ -161,6 +161,8 @@ TEST_F(RendererTest, the_sea_glitters_below_the_sun_and_nowhere_else) {
     // towards the sun, slope 0.2: with the gale's rms slope of 0.2 they are common. Away from the
     // sun they would tilt 68 degrees: there are none, and only the sky's side counts.
     EXPECT_GT(up_sun, 3 * down_sun);
+    for (const double aside_deg : {90, -90}) // a tilt of 50 degrees, slope 1.2: there are none
+        EXPECT_LT(mean_of_sea(sun_bearing + aside_deg), 2 * down_sun) << aside_deg;
 }
 
 TEST_F(RendererTest, every_pixel_is_a_number_and_none_is_dark_by_day) {

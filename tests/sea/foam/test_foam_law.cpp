@@ -178,6 +178,8 @@ TEST(FoamLaw, a_bias_adds_the_breaking_share_and_is_foam_from_a_bias_apart_from_
     const auto stormy = storm();
     for (const sea::CascadeModes& modes : stormy->cascades)
         total += strain_moments(modes, stormy->choppiness);
+    // The gain times the decay, of both terms.
+    EXPECT_NEAR(plain->mean_coverage, 12.0 * mean_shortfall(0.6, total), 1e-9);
     EXPECT_NEAR(biased->mean_coverage - plain->mean_coverage,
                 12.0 * 0.3 * breaking_share(0.6, total), 1e-9);
 }

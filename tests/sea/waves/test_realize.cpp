@@ -247,6 +247,22 @@ TEST(Realize, B7_loop_rounds_to_whole_turns_and_never_freezes_a_wave) {
             EXPECT_LE(std::abs(omega_from_rate(rate) - omega), pi / 60.0 + 1e-9);
         }
     }
+    // So does every wave of a sea that has a loop, which is the same sea at its beginning.
+    SeaState state = windy_sea();
+    const auto free = testing::realized(state, three_cascades);
+    state.loop_period_s = 60.0;
+    const auto looped = testing::realized(state, three_cascades);
+    for (std::size_t c = 0; c < looped->cascades.size(); ++c) {
+        const CascadeModes& modes = looped->cascades[c];
+        EXPECT_EQ(modes.h0, free->cascades[c].h0);
+        for (std::size_t i = 0; i < modes.h0.size(); ++i) {
+            if (modes.h0[i] == 0.0)
+                continue;
+            const double turns = omega_from_rate(modes.rate[i]) * 60.0 / two_pi;
+            ASSERT_NEAR(turns, std::round(turns), 1e-9) << c << ' ' << i;
+            ASSERT_GE(std::round(turns), 1.0);
+        }
+    }
 }
 
 // T36: the spectrum knows the depth and the evolution does not (omega = sqrt(g k)).

@@ -217,6 +217,16 @@ TEST_F(TablesTest, of_the_spectrum_are_what_the_scene_is_realised_with) {
                 if (std::abs(mode) > 0) {
                     ASSERT_NEAR(at(h0, x, y).y, std::arg(mode), 1e-6);
                 }
+                // h = h0(k) exp(-iwt) + conj(h0(-k)) exp(iwt), at the moment of the picture; of waves that both have.
+                const std::complex<double> against = modes.h0[index(-nx, -ny)];
+                if (std::abs(mode) > 0 && std::abs(against) > 0 && x > 0 && y > 0) {
+                    const double phase = sea::omega_from_rate(modes.rate[index(nx, ny)]) * 12.34;
+                    const std::complex<double> then = mode * std::polar(1.0, -phase) +
+                                                      std::conj(against) * std::polar(1.0, phase);
+                    ASSERT_NEAR(at(h, x, y).x, std::abs(then), 1e-6 * largest + 1e-9);
+                    ASSERT_NEAR(std::abs(std::polar(at(h, x, y).x, at(h, x, y).y) - then), 0,
+                                1e-5 * largest + 1e-9);
+                }
                 // Of a real sea: h(-k) is the conjugate of h(k).
                 if (x > 0 && y > 0 && at(h, x, y).x > 0) {
                     const glm::dvec3 mirrored = at(h, 2 * middle - x, 2 * middle - y);
