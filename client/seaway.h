@@ -82,7 +82,7 @@ typedef struct seaway_connect_options {
     const char* name;    /* for the server's log; 1024 bytes at most, as the token */
     const char* token;   /* if the server asks for one */
     const char* ca_file; /* certificates (PEM) to trust besides the system's, for wss */
-    /* For connecting until the sea is known, and a second more at most; 0: 5. But a host's name is looked up for as long as the
+    /* For connecting until the sea is known, and a second more at most; up to 86400, 0: 5. But a host's name is looked up for as long as the
      * system takes for it. */
     double timeout_s;
     uint32_t stays_lost; /* 1: a connection that has ended does not come back */
@@ -247,10 +247,10 @@ enum {
 };
 
 typedef struct seaway_subscription {
-    double error_m;   /* wanted bound on height; 0: the server chooses */
+    double error_m;   /* wanted bound on height, up to 1e6; 0: the server chooses */
     uint32_t credit;  /* keyframes under way, 1 .. 8; 0: 2 */
     uint32_t rung;    /* SEAWAY_TILES or SEAWAY_SPECTRUM; one does not end the other */
-    double timeout_s; /* 0: 10 */
+    double timeout_s; /* up to 86400; 0: 10 */
     /* Of tiles, for thin lines; what is left out counts in error_m of every answer. 0: no limit. */
     double rate_hz_max; /* keyframes of each cascade a second, 1 to 1000 */
     uint32_t size_max;  /* grid points a side of a map, 32 to 2048 */
@@ -265,7 +265,7 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
 seaway_code seaway_unsubscribe(seaway_client* client);
 
 /* Fetches what is needed to sample at these times, where it is not held. For a few times: the ring
- * that holds keyframes is bounded, the oldest go first; more times than it has room for are
+ * that holds keyframes is bounded, the oldest go first; times in more intervals of keyframes than it has room for (24) are
  * SEAWAY_BAD_ARGUMENT. timeout_s 0: 10. Blocks. */
 seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t count,
                         double timeout_s);

@@ -75,11 +75,12 @@ typedef struct seaway_wish {
         cascades; /* bit c: cascade c, 0 the longest waves; 0: all. Of less, sample with seaway_looking.cascades */
     uint32_t
         size_max; /* grid points a side of a map, 32 to 2048; 0: no limit. Cut maps have no foam */
-    double error_m;     /* wanted bound on height; 0: the server chooses */
-    double rate_hz_max; /* keyframes of each cascade a second, 1 to 1000; 0: no limit */
-    double timeout_s;   /* 0: 10 */
-    uint32_t credit;    /* keyframes under way, 1 .. 8; 0: 2 */
-    uint32_t reserved;  /* 0 */
+    double error_m; /* wanted bound on height, up to 1e6; 0: the server chooses */
+    double
+        rate_hz_max; /* keyframes of each cascade a second, 1 to 1000; 0: no limit. SEAWAY_REFUSED: waves need more */
+    double timeout_s;  /* up to 86400; 0: 10 */
+    uint32_t credit;   /* keyframes under way, 1 .. 8; 0: 2 */
+    uint32_t reserved; /* 0 */
 } seaway_wish;
 
 typedef struct seaway_grant {
@@ -213,7 +214,7 @@ typedef struct seaway_below {
  * pressure by linear theory with Wheeler's stretching, which at the surface are seaway_answer's velocity and, without
  * surface tension, g times its height; at the sea floor water moves along it alone. Valid for waves that do not break; first
  * order in steepness, so off by some tenth of a wave's velocity where its steepness is a tenth, and without the drift of second
- * order. No bound is stated. The formulas: sea/surface/below.h of the source.
+ * order. No bound is stated. The formulas: docs/physics.md of the source.
  * From waves (SEAWAY_SPECTRUM, seaway_rebuild): keyframes alone are SEAWAY_NOT_HELD. At once; some 300 us a point of a gale;
  * allocates. NULL looking: all waves. `stride`: sizeof(seaway_below). */
 seaway_code seaway_sample_below(const seaway_client* client, const seaway_looking* looking,

@@ -15,7 +15,8 @@ constexpr std::array<double, 13> beaufort_heights_m{0.0, 0.1, 0.2, 0.6, 1.0,  2.
 
 struct WmoState {
     double height_max_m;
-    double height_middle_m; ///< of 9, which has no end, its beginning
+    double
+        height_middle_m; ///< of 9, which has no end, a little above its beginning, which is still 8
     std::string_view name;
 };
 constexpr std::array<WmoState, 10> wmo_states{{{0.0, 0.0, "calm (glassy)"},
@@ -27,7 +28,7 @@ constexpr std::array<WmoState, 10> wmo_states{{{0.0, 0.0, "calm (glassy)"},
                                                {6.0, 5.0, "very rough"},
                                                {9.0, 7.5, "high"},
                                                {14.0, 11.5, "very high"},
-                                               {1e9, 14.0, "phenomenal"}}};
+                                               {1e9, 14.1, "phenomenal"}}};
 
 /// Bales 1983: mean height and most probable period of the rows 0-1 (which has
 /// no period; a ripple's), 2 .. 8, >8.

@@ -21,6 +21,7 @@ constexpr double lattice_bias_reported = 0.01; ///< as a share, or in radians
 /// Of m0, in overlaps and gaps of bins: rounding of printed frequencies stays below.
 constexpr double bins_reported = 0.002;
 constexpr double widening_reported = 0.03; ///< of a spread
+constexpr double hurried_reported = 0.05;
 /// 5 % of a wavelength, or 3 degrees.
 constexpr double snapping_reported = 0.05;
 
@@ -134,6 +135,44 @@ void warn_of_accuracy(const Scene& scene, const ErrorBudget& budget,
             asked_m, budget.interpolation_m, level_m));
 }
 
+/// By how much the loop changes how fast waves turn, as a share, on average over their energy.
+double hurried_by_loop(const Scene& scene, const Realization& realization) {
+    if (!(scene.sea.loop_period_s > 0))
+        return 0;
+    const Dispersion dispersion = scene.sea.dispersion();
+    double hurried = 0, all = 0;
+    for (const CascadeModes& modes : realization.cascades) {
+        const int size = modes.spec.size;
+        for (std::size_t i = 0; i < modes.h0.size(); ++i) {
+            const double energy = std::norm(modes.h0[i]);
+            if (energy == 0)
+                continue;
+            const int nx = signed_index(static_cast<int>(i) % size, size);
+            const int ny = signed_index(static_cast<int>(i) / size, size);
+            const double omega =
+                dispersion.omega(modes.spec.wavenumber_step_radpm() * std::hypot(nx, ny));
+            hurried += energy * std::abs(omega_from_rate(modes.rate[i]) / omega - 1);
+            all += energy;
+        }
+    }
+    return all > 0 ? hurried / all : 0;
+}
+
+void warn_of_time_and_depth(const Scene& scene, const Realization& realization, double peak_m,
+                            std::vector<std::string>& warnings) {
+    if (const double hurried = hurried_by_loop(scene, realization); hurried > hurried_reported)
+        warnings.push_back(fmt::format(
+            "sea.loop_period_s = {:g}: to be whole turns, waves run {:.0f} % faster or slower than "
+            "water does; a longer loop changes them less",
+            scene.sea.loop_period_s, 100.0 * hurried));
+    const double kd = peak_m > 0 ? two_pi * scene.sea.depth_m / peak_m : orbit_kd_min;
+    if (kd < orbit_kd_min)
+        warnings.push_back(fmt::format("the longest peak, of {:.0f} m, is more than 125 times as "
+                                       "long as the water is deep: sideways "
+                                       "motion of such waves is {:.2g} of what it should be",
+                                       peak_m, kd / orbit_kd_min));
+}
+
 /// Of the longest tile of spectra. Those of waves given one by one may be longer, and scatter by nothing.
 double largest_scatter(const Realization& realization, const SeaSummary& summary) {
     for (std::size_t c = 0; c < realization.cascades.size(); ++c)
@@ -164,6 +203,7 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Realization& r
             "{:g}: Hs of one seed scatters by {:.0f} %",
             tile, tile / peak, peak, tile_wavelengths_min,
             100.0 * largest_scatter(realization, summary)));
+    warn_of_time_and_depth(scene, realization, peak, warnings);
     if (height > breaking_height_over_depth * scene.sea.depth_m)
         warnings.push_back(fmt::format(
             "Hs {:.2f} m is above {:g} of the depth, {:g} m: such waves break, outside the model",

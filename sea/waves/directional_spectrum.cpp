@@ -22,8 +22,7 @@ void DirectionalSpectrum::set(const WindSea& sea) {
             phillips_constant_ = sea.phillips_constant;
             phillips_wind_mps_ = wind;
             phillips_upwind_ = sea.phillips_upwind;
-            // exp(-1/(kL)^2)/k^3 is largest at kL = sqrt(2/3).
-            peak_omega_ = dispersion_.omega(std::sqrt(2.0 / 3.0) * g / (wind * wind));
+            peak_omega_ = dispersion_.omega(phillips_peak_radpm());
         }
         break;
     case SpectrumKind::pierson_moskowitz:
@@ -88,8 +87,13 @@ std::vector<double> DirectionalSpectrum::breaks() const {
         return {};
     if (!measured_)
         // Below a quarter of the peak, exp(-5/4 4^4) leaves nothing; above 1000 peaks lie 1e-12 of
-        // m0 and 1e-6 of m2. At the peak JONSWAP's sigma jumps.
-        return {0.25 * peak_omega_, peak_omega_, 1000.0 * peak_omega_};
+        // m0 and 1e-6 of m2. At the peak JONSWAP's sigma jumps. Phillips' law is of wavenumbers, of which shallow water has
+        // those of lower frequencies: as far as in deep water, a million peaks.
+        return {0.25 * peak_omega_, peak_omega_,
+                std::max(1000.0 * peak_omega_,
+                         phillips_constant_ > 0.0
+                             ? std::sqrt(dispersion_.gravity_mps2 * 1e6 * phillips_peak_radpm())
+                             : 0.0)};
     std::vector<double> edges;
     for (const MeasuredBin& bin : measured_->bins) {
         if (edges.empty() || bin.omega_lo_radps > edges.back())

@@ -79,6 +79,11 @@ class DirectionalSpectrum {
     FrequencySpectrum frequency_;
     double phillips_constant_ = 0.0; ///< > 0: Phillips in place of `frequency_`
     double phillips_wind_mps_ = 0.0;
+    /// exp(-1/(kL)^2)/k^3 is largest at kL = sqrt(2/3), L = U^2/g.
+    double phillips_peak_radpm() const {
+        return std::sqrt(2.0 / 3.0) * dispersion_.gravity_mps2 /
+               (phillips_wind_mps_ * phillips_wind_mps_);
+    }
     bool phillips_upwind_ = false;
     std::shared_ptr<const MeasuredSpectrum> measured_;
     SpreadingModel spreading_model_;

@@ -177,6 +177,13 @@ TEST(Scene, warnings_say_what_the_picture_will_not_show) {
                               "peak_period_s=12\nfrom_deg=0\n";
     EXPECT_THAT(warnings("[sea]\n" + swell), HasSubstr("peak wavelengths"));
     EXPECT_THAT(warnings("[sea]\ndepth_m = 5\n" + swell), HasSubstr("such waves break"));
+    EXPECT_THAT(warnings("[sea]\nloop_period_s = 1\n" + swell), HasSubstr("faster or slower than"));
+    EXPECT_THAT(warnings("[sea]\nloop_period_s = 600\n" + swell),
+                Not(HasSubstr("faster or slower")));
+    const std::string tide = "[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=0.02\n"
+                             "peak_period_s=100\nfrom_deg=0\n";
+    EXPECT_THAT(warnings("[sea]\ndepth_m = 1\n" + tide), HasSubstr("is 0.4 of what it should be"));
+    EXPECT_THAT(warnings("[sea]\ndepth_m = 7\n" + tide), Not(HasSubstr("sideways")));
     EXPECT_THAT(warnings("[sea]\n" + swell + "[[cascade]]\nlength_m=3000\nsize=64\n"),
                 HasSubstr("shorter than the finest"));
     std::string text = wind_system;

@@ -342,6 +342,7 @@ TEST(Presets, P17_sea_state_codes_have_the_published_bounds) {
         const auto preset = preset_sea("wmo:" + table.text(r, "code"));
         ASSERT_TRUE(preset);
         EXPECT_GE(preset->significant_height_m, lo);
+        EXPECT_EQ(wmo_sea_state(preset->significant_height_m).code, code);
         if (!table.text(r, "Hs_max_m").empty()) {
             EXPECT_LE(preset->significant_height_m, table.number(r, "Hs_max_m"));
         }
@@ -413,6 +414,19 @@ TEST(Systems, all_kinds_survive_a_round_trip_through_the_effective_scene) {
     ASSERT_EQ(a->cascades.size(), b->cascades.size());
     for (std::size_t c = 0; c < a->cascades.size(); ++c)
         EXPECT_EQ(a->cascades[c].h0, b->cascades[c].h0);
+}
+
+// Naive: as far as a thousand peaks in frequency. Phillips' law is of wavenumbers, and shallow water gives short waves low ones.
+TEST(Systems, what_is_told_of_phillips_in_a_puddle_counts_its_short_waves) {
+    const Scene scene =
+        scene_of("[sea]\ndepth_m=0.1\nsurface_tension=false\n[[sea.system]]\ntype="
+                 "\"wind\"\nspectrum=\"phillips\"\n"
+                 "wind_speed_10m_mps=30\nfrom_deg=1\n[[cascade]]\nlength_m=70\nsize=512\n"
+                 "[[cascade]]\nlength_m=2\nsize=256\n");
+    const SeaSummary summary = summarize(scene.sea, *realize(scene));
+    for (const auto& cascade : summary.cascades)
+        EXPECT_NEAR(cascade.requested_m2 / cascade.expected_m2, 1.0, 0.05);
+    EXPECT_GT(summary.cascades.back().requested_m2, 0.0);
 }
 
 TEST(Systems, phillips_by_height_has_that_height_one_way_or_both) {
