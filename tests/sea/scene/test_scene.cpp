@@ -166,48 +166,6 @@ TEST(Scene, warnings_speak_of_the_sea_the_summary_and_the_budget_that_are_given)
     EXPECT_THAT(warnings, Contains(HasSubstr("interpolation alone costs 77 m")));
 }
 
-TEST(Scene, warnings_say_what_the_picture_will_not_show) {
-    const auto warnings = [](const std::string& text) {
-        std::string all;
-        for (const std::string& w : testing::warnings_of(*parse_scene(text, "s", "")))
-            all += w + "\n";
-        return all;
-    };
-    const std::string swell = "[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=5\n"
-                              "peak_period_s=12\nfrom_deg=0\n";
-    EXPECT_THAT(warnings("[sea]\n" + swell), HasSubstr("peak wavelengths"));
-    EXPECT_THAT(warnings("[sea]\ndepth_m = 5\n" + swell), HasSubstr("such waves break"));
-    EXPECT_THAT(warnings("[sea]\nloop_period_s = 1\n" + swell), HasSubstr("faster or slower than"));
-    EXPECT_THAT(warnings("[sea]\nloop_period_s = 600\n" + swell),
-                Not(HasSubstr("faster or slower")));
-    const std::string tide = "[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=0.02\n"
-                             "peak_period_s=100\nfrom_deg=0\n";
-    EXPECT_THAT(warnings("[sea]\ndepth_m = 1\n" + tide), HasSubstr("is 0.4 of what it should be"));
-    EXPECT_THAT(warnings("[sea]\ndepth_m = 7\n" + tide), Not(HasSubstr("sideways")));
-    EXPECT_THAT(warnings("[sea]\n" + swell + "[[cascade]]\nlength_m=3000\nsize=64\n"),
-                HasSubstr("shorter than the finest"));
-    std::string text = wind_system;
-    text.replace(text.find("100e3"), 5, "100e6");
-    EXPECT_THAT(warnings(text), HasSubstr("growth is clamped"));
-    const std::string steep_waves =
-        "[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=10\npeak_period_s=8\n"
-        "from_deg=0\n[[cascade]]\nlength_m=1200\nsize=64\n"
-        "[[cascade]]\nlength_m=90\nsize=128\n";
-    // s = 2000 is 1.8 degrees wide; 1250 m hold waves of 10 s every 7 degrees or so at their peak.
-    const std::string beam =
-        "[sea]\n[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=1\n"
-        "peak_period_s=10\nfrom_deg=0\nspreading=\"cos2s\"\nspreading_exponent=";
-    const std::string tile = "\n[[cascade]]\nlength_m=1250\nsize=128\n";
-    EXPECT_THAT(warnings(beam + "2000" + tile), HasSubstr("its waves are few on these tiles"));
-    EXPECT_THAT(warnings("[sea]\nchoppiness = 3\n" + steep_waves), HasSubstr("fold about"));
-    for (const char* one_axis : {"[3, 0.1]", "[0.1, 3]"})
-        EXPECT_THAT(warnings(fmt::format("[sea]\nchoppiness = {}\n", one_axis) + steep_waves),
-                    HasSubstr("choppiness 3 "));
-    EXPECT_THAT(warnings("[sea]\n" + steep_waves), ::testing::Not(HasSubstr("fold about")));
-    EXPECT_THAT(warnings(beam + "10" + tile), ::testing::Not(HasSubstr("few on these tiles")));
-    EXPECT_EQ(warnings("[sea]\n"), "");
-}
-
 TEST(Scene, no_cascade_at_all_is_an_error_by_name) {
     EXPECT_THAT(error_of("cascade = []\n[sea]\npreset = \"beaufort:3\""),
                 AllOf(HasSubstr("cascade: an empty array is not allowed"), HasSubstr("1 .. 8")));

@@ -416,19 +416,6 @@ TEST(Systems, all_kinds_survive_a_round_trip_through_the_effective_scene) {
         EXPECT_EQ(a->cascades[c].h0, b->cascades[c].h0);
 }
 
-// Naive: as far as a thousand peaks in frequency. Phillips' law is of wavenumbers, and shallow water gives short waves low ones.
-TEST(Systems, what_is_told_of_phillips_in_a_puddle_counts_its_short_waves) {
-    const Scene scene =
-        scene_of("[sea]\ndepth_m=0.1\nsurface_tension=false\n[[sea.system]]\ntype="
-                 "\"wind\"\nspectrum=\"phillips\"\n"
-                 "wind_speed_10m_mps=30\nfrom_deg=1\n[[cascade]]\nlength_m=70\nsize=512\n"
-                 "[[cascade]]\nlength_m=2\nsize=256\n");
-    const SeaSummary summary = summarize(scene.sea, *realize(scene));
-    for (const auto& cascade : summary.cascades)
-        EXPECT_NEAR(cascade.requested_m2 / cascade.expected_m2, 1.0, 0.05);
-    EXPECT_GT(summary.cascades.back().requested_m2, 0.0);
-}
-
 TEST(Systems, phillips_by_height_has_that_height_one_way_or_both) {
     for (const char* upwind : {"false", "true"}) {
         const Scene scene =
