@@ -175,10 +175,13 @@ void TomlTable::bad_value(std::string_view key, const std::string& value,
     fail(key, fmt::format("{} is not allowed; allowed: {}", value, allowed));
 }
 
-void TomlTable::fail(std::string_view key, const std::string& what) {
+unsigned TomlTable::line_of(std::string_view key) const {
     const toml::node* node = table_.get(key);
-    errors_.add((node != nullptr ? node->source() : table_.source()).begin.line,
-                fmt::format("{}: {}", path(key), what));
+    return (node != nullptr ? node->source() : table_.source()).begin.line;
+}
+
+void TomlTable::fail(std::string_view key, const std::string& what) {
+    errors_.add(line_of(key), fmt::format("{}: {}", path(key), what));
 }
 
 void TomlTable::require(std::string_view key) {

@@ -103,6 +103,8 @@ class TomlTable {
         bad_value(key, '"' + value + '"', allowed);
         return false;
     }
+    /// Where the key stands in the text; where it is absent, the table.
+    unsigned line_of(std::string_view key) const;
     /// Sub-tables; empty where absent.
     std::optional<TomlTable> table(std::string_view key);
     std::vector<TomlTable> tables(std::string_view key, int count_max);

@@ -148,6 +148,7 @@ void read_weather(TomlTable& root, Scene& scene) {
         table.number("over_s", change.over_s,
                      {seconds_from_us(glide_us_min), seconds_from_us(glide_us_max)});
         table.assignments("set", change.set);
+        change.line = table.line_of("set");
         table.finish();
         free_from_s = std::min(change.at_s + change.over_s, 1e10);
         scene.weather.push_back(std::move(change));

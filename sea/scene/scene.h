@@ -60,6 +60,7 @@ struct WeatherChange {
     double at_s = 0;    ///< -1e10 .. 1e10; not before the end of the row before
     double over_s = 60; ///< glide_us_min .. glide_us_max (sea/basics/glide.h), s
     std::vector<TomlAssignment> set;
+    unsigned line = 0; ///< where that stands in the text it was read from; 0: in none
 };
 
 /// The folder of a text that came from somebody else, as to_toml() wrote it: it may name no file of a system.

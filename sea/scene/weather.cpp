@@ -140,8 +140,10 @@ Result<std::vector<Scene>> weather_scenes(const Scene& scene) {
     for (std::size_t i = 0; i < scene.weather.size(); ++i) {
         Result<Scene> next = changed(i == 0 ? scene : scenes.back(), scene.weather[i].set);
         if (!next)
-            return Error{
-                fmt::format("{}: weather[{}]: {}", scene.source, i + 1, next.error().message)};
+            return Error{fmt::format(
+                "{}:{} weather[{}]: {}", scene.source,
+                scene.weather[i].line > 0 ? fmt::format("{}:", scene.weather[i].line) : "", i + 1,
+                next.error().message)};
         scenes.push_back(*std::move(next));
     }
     return scenes;

@@ -18,6 +18,7 @@ namespace seaway::sea {
 namespace {
 
 using testing::realized;
+using testing::scene_of;
 using testing::swell_sea;
 using testing::windy_sea;
 
