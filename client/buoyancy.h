@@ -13,9 +13,9 @@
  *   with depth below short waves, so that hulls that reach deeper than a tenth of a wavelength feel too much of it.
  * - Drag on each wetted panel, against the water's velocity at the surface: `linear_drag` times the flow, all of it
  *   (waves that the hull makes, friction), and quadratic_drag * density / 2 * |v| v of the flow across the panel.
- * - Added mass is a coefficient for each axis, times mass and inertia, in the air as in the water. Momentum is what lasts where a
- *   body turns, with Munk's moment, which takes a slender hull that is under way broadside on, as it does ships: drag at the stern, or a rudder,
- *   holds its course. The water's own acceleration acts on the mass alone.
+ * - Added mass is a coefficient for each axis, times mass and inertia, in the air as in the water. Momentum beside the water is what
+ *   lasts where a body turns, with Munk's moment, which takes a slender hull that is under way through the water broadside on, as it does ships:
+ *   drag at the stern, or a rudder, holds its course. The water's own acceleration acts on the mass alone.
  *   The heave of a body that floats is then (m + a33) z'' + b33 z' + c33 z = F, c33 = density g * waterplane (SNAME, Principles of
  *   Naval Architecture III, Motions in Waves), which test Buoyancy holds it against.
  *

@@ -62,7 +62,8 @@ static inline void seaway_add_column(const seaway_corner* corner, const seaway_a
 static inline void seaway_hull_load(const seaway_hull* hull, const seaway_body* body,
                                     const seaway_point* points, const seaway_answer* answers,
                                     double later_s, seaway_load* load) {
-    const seaway_load none = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, 0, 0};
+    const seaway_load none = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0,
+                              0,         0,         0,         {0, 0, 0}, {0, 0, 0}};
     const double density = seaway_density_of(hull);
     const double weight_npm3 = density * SEAWAY_GRAVITY_MPS2;
     const double quadratic = 0.5 * density * hull->quadratic_drag;
@@ -222,14 +223,27 @@ static inline const char* seaway_hull_fault(const seaway_hull* hull) {
 
 /* One part of a step: the momenta first, by the forces where the body is, then the places by the new velocities, which
  * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. A body with
- * added mass is heavier along some of its axes: its momentum lasts while it turns, not its velocity, and pulls it around (Munk's moment,
- * without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
+ * added mass is heavier along some of its axes: its momentum beside the water lasts while it turns, not its velocity, and pulls it around
+ * (Munk's moment, without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
  * divided by 1 + twice what it would do within the part, since off the centre what it does along and around may add up: it slows, and
  * never reverses. A weight that drag alone bears sinks faster by that: short steps are right. */
+/* How fast the body moves beside the water around its wet parts; in the air, beside still air. */
+static inline void seaway_beside_water(const seaway_body* body, const seaway_load* load,
+                                       double beside_mps[3]) {
+    double turned[3];
+    for (int i = 0; i < 3; ++i)
+        beside_mps[i] = body->velocity_mps[i];
+    if (!(load->wetted_m2 > 0))
+        return;
+    seaway_cross(body->angular_velocity_radps, load->arm_m3, turned);
+    for (int i = 0; i < 3; ++i)
+        beside_mps[i] = -(load->flow_m3ps[i] + turned[i]) / load->wetted_m2;
+}
+
 static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const seaway_load* load,
                                double part_s) {
     double mass[3], lighter[3], lazier[3], inertia[3], rows[3][3], turn[3], half[4];
-    double pushed[3], momentum[3], munk[3], force[3], torque[3];
+    double beside[3], water[3], pushed[3], momentum[3], munk[3], force[3], torque[3];
     double least_kg = HUGE_VAL, least_kgm2 = HUGE_VAL;
     for (int i = 0; i < 3; ++i) {
         mass[i] = hull->mass_kg * (1 + hull->added_mass[i]);
@@ -247,11 +261,16 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
     }
     force[2] -= hull->mass_kg * SEAWAY_GRAVITY_MPS2;
     seaway_rows(body->orientation, rows);
-    seaway_along_axes(rows, mass, body->velocity_mps, pushed);
+    seaway_beside_water(body, load, beside);
+    for (int i = 0; i < 3; ++i)
+        water[i] = body->velocity_mps[i] - beside[i];
+    seaway_along_axes(rows, mass, beside, pushed);
     seaway_add(pushed, part_s, force);
-    seaway_along_axes(rows, lighter, pushed, body->velocity_mps);
-    seaway_cross(pushed, body->velocity_mps, munk);
+    seaway_along_axes(rows, lighter, pushed, beside);
+    seaway_cross(pushed, beside, munk);
     seaway_add(torque, 1, munk);
+    for (int i = 0; i < 3; ++i)
+        body->velocity_mps[i] = water[i] + beside[i];
     seaway_add(body->position_m, part_s, body->velocity_mps);
     /* Angular momentum is what lasts: a body that spins freely keeps it, at any length of step. */
     seaway_along_axes(rows, inertia, body->angular_velocity_radps, momentum);
@@ -269,7 +288,9 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
     seaway_turn(body->orientation, turn);
     seaway_rows(body->orientation, rows);
     seaway_along_axes(rows, lazier, momentum, body->angular_velocity_radps);
-    seaway_along_axes(rows, lighter, pushed, body->velocity_mps);
+    seaway_along_axes(rows, lighter, pushed, beside);
+    for (int i = 0; i < 3; ++i)
+        body->velocity_mps[i] = water[i] + beside[i];
 }
 
 static inline int seaway_is_known(const seaway_answer* water) {

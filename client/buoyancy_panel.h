@@ -79,6 +79,8 @@ typedef struct seaway_load {
     double drag_nmsprad; /* likewise of its torque with angular velocity, N m s */
     double submerged_m3; /* volume below the surface */
     double wetted_m2;    /* area below it; of sample points that of their columns */
+    double flow_m3ps[3]; /* of how fast the water moves past that area, the integral */
+    double arm_m3[3];    /* likewise of its arm from the centre of mass */
 } seaway_load;
 
 /* A corner of a panel: place from the centre of mass, how deep it is (above the water: negative), and how fast the
@@ -115,6 +117,8 @@ static inline void seaway_add_drag(const double arm_m[3], double area_m2, const 
     load->drag_nspm += slope;
     load->drag_nmsprad += slope * seaway_dot(arm_m, arm_m);
     load->wetted_m2 += area_m2;
+    seaway_add(load->flow_m3ps, area_m2, flow_mps);
+    seaway_add(load->arm_m3, area_m2, arm_m);
 }
 
 /* A triangle that is under water, its corners anticlockwise from outside. Pressure `weight` times depth is linear on it, so

@@ -160,6 +160,7 @@ void Client::forget_waves(std::uint32_t epoch) {
     received_.erase(epoch);
     arriving_.erase(epoch);
     glides_.erase(epoch);
+    seen_until_us_.erase(epoch);
 }
 
 std::optional<Error> Client::end() const {
@@ -191,7 +192,6 @@ void Client::forget_furthest_state() {
     const bool last = away_us(sea_states_.back()) > away_us(sea_states_[1]); // which ends the first
     const auto gone = last ? std::prev(sea_states_.end()) : sea_states_.begin();
     forget_waves((*gone)->epoch);
-    seen_until_us_.erase((*gone)->epoch);
     sea_states_.erase(gone);
 }
 
@@ -355,6 +355,27 @@ bool Client::has_waves_held(std::uint32_t epoch) const {
     return found != received_.end() && found->second->has_come();
 }
 
+namespace {
+
+/// A glide whose end is reached then: the waves of its epoch are all that counts.
+bool has_ended_by(const SeaState& glide, TimeUs time_us) {
+    return glide.glide && glide.glide->end_us <= time_us;
+}
+
+} // namespace
+
+bool Client::holds_waves_held(const SeaStatePtr& state, int depth) const {
+    if (rebuilt_.contains(state->epoch))
+        return true;
+    if (!state->glide)
+        return has_waves_held(epoch_of_waves_held(*state));
+    const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
+    if (!has_waves_held(state->epoch) || depth == 0 || before == state)
+        return false;
+    return has_ended_by(*before, state->start_time_us) ? has_waves_held(before->epoch)
+                                                       : holds_waves_held(before, depth - 1);
+}
+
 OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
     if (const auto found = rebuilt_.find(state->epoch); found != rebuilt_.end())
         return found->second;
@@ -368,7 +389,9 @@ OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
     const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
     if (!waves || depth == 0 || before == state)
         return nullptr;
-    const OwnSeaPtr from = own_sea_held(before, depth - 1);
+    const OwnSeaPtr from = has_ended_by(*before, state->start_time_us)
+                               ? received(before->epoch)
+                               : own_sea_held(before, depth - 1);
     if (!from)
         return nullptr;
     Glide& glide = glides_[state->epoch];
@@ -400,6 +423,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
                                  const Sampling& how) const {
     const sea::FieldSet fields = sampled_fields();
     HeldSurfaces::Lent surface;
+    bool beyond_held = false;
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
         const SeaThen then = sea_then(time_us);
@@ -430,11 +454,13 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
                     leave_out_velocity(answer);
         } else
             surface->surface.answer(asked, answered, some);
+        const bool beyond = !then.waves && !surface->covers;
+        beyond_held |= beyond;
         for (std::size_t i = 0; i < asked.size(); ++i)
-            if (!then.known.has(asked[i].time_us) || (!then.waves && !surface->covers))
+            if (beyond || !then.known.has(asked[i].time_us))
                 answered[i].flags |= sea::answer_extrapolated;
     }
-    if (!mark_stale(points, answers, how.terms))
+    if (!mark_stale(beyond_held, points, answers, how.terms))
         return failed(
             Failure::not_held,
             "the connection is lost, and the keyframes that are held end before that time");

@@ -289,8 +289,9 @@ class Client {
     KnownSea known_held(const SeaState& state) const; ///< mutex_ held
     KnownSea known_sea(sea::TimeUs time_us) const;    ///< read before answers are made
     /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to send some.
-    bool mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                    std::span<sea::ErrorTerms> terms = {},
+    /// `beyond_held`: some answers are of keyframes that end before their times.
+    bool mark_stale(bool beyond_held, std::span<const sea::QueryPoint> points,
+                    std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {},
                     std::span<double> moved_off_m = {}) const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
@@ -363,9 +364,9 @@ class Client {
     template <class Look>
     auto of_one_sea(const Look& look) const {
         for (;;) {
-            const int before = seas_;
+            const int before = seas_, seen = times_seen_;
             auto found = look();
-            if (seas_ == before)
+            if (seas_ == before && times_seen_ == seen)
                 return found;
         }
     }
@@ -416,6 +417,7 @@ class Client {
     bool resuming_ = false;     ///< from the end of a connection until all is subscribed to again
     sea::TimeUs told_from_us_ = 0; ///< the beginning of the sea that a connection began with
     std::map<std::uint32_t, sea::TimeUs> seen_until_us_; ///< by epoch: KnownSea
+    std::atomic<int> times_seen_ = 0;                    ///< so often that was others
     LocalUs heard_at_us_ = 0; ///< when the server was sure of its sea, as far as it is known
     sea::TimeUs heard_us_ = std::numeric_limits<sea::TimeUs>::min(); ///< sea time then
     bool unsure_ = false;                                            ///< so it says itself

@@ -141,7 +141,7 @@ bool Client::to_be_seen(TimeUs time_us) const {
     if (silent(local_now_us())) // nobody could say
         return false;
     const KnownSea known = known_held(*sea_state_held(time_us));
-    return !known.has(time_us) || (missed_.contains(time_us) && time_us > known.seen_until_us);
+    return !known.has(time_us) || (missed_.contains(time_us) && !known.was_seen(time_us));
 }
 
 Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, sea::FieldSet also) {
@@ -157,25 +157,36 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
     for (const TimeUs time_us : times_us)
         SEAWAY_TRY(check_time(time_us));
     const sea::FieldSet fields = offered(sea::surface_fields | also);
-    std::set<std::pair<std::uint32_t, TimeCell>> cells;
-    std::vector<TimeUs> missing;
+    /// Where the server is asked about a cell, and whether it has to be.
+    struct Cell {
+        TimeUs time_us;
+        bool asked;
+    };
+    std::map<std::pair<std::uint32_t, TimeCell>, Cell> cells;
     std::vector<std::pair<TimeUs, SeaStatePtr>> expected;
     Wanted wanted(*this);
     for (const TimeUs time_us : times_us) {
         const SeaStatePtr state = sea_state(time_us);
         expected.emplace_back(time_us, state);
-        if (!cells.insert({state->epoch, time_cell(*state, time_us)}).second &&
-            !to_be_seen(time_us))
-            continue;
-        const std::size_t room = cells_at_once(*state, fields);
-        if (cells.size() > room)
-            return failed(Failure::bad_argument,
-                          fmt::format("times in {} or more different intervals: this client holds "
-                                      "the keyframes around {} of them at once",
-                                      cells.size(), room));
-        if (!wanted.add(*state, time_us, fields) || to_be_seen(time_us))
-            missing.push_back(time_us);
+        const auto [found, fresh] = cells.try_emplace(
+            std::pair(state->epoch, time_cell(*state, time_us)), Cell{time_us, false});
+        Cell& cell = found->second;
+        if (fresh) {
+            const std::size_t room = cells_at_once(*state, fields);
+            if (cells.size() > room)
+                return failed(Failure::bad_argument,
+                              fmt::format("times in {} or more different intervals: this client "
+                                          "holds the keyframes around {} of them at once",
+                                          cells.size(), room));
+            cell.asked = !wanted.add(*state, time_us, fields);
+        }
+        if (to_be_seen(time_us)) // the last of them: a sea that runs then has run before
+            cell = {cell.asked ? std::max(cell.time_us, time_us) : time_us, true};
     }
+    std::vector<TimeUs> missing;
+    for (const auto& [key, cell] : cells)
+        if (cell.asked)
+            missing.push_back(cell.time_us);
     SEAWAY_TRY(fetch(missing, fields, timeout_s));
     // What only passed by stays from here on, and the oldest of the ring is put back where it made room.
     {
@@ -201,7 +212,8 @@ std::size_t Client::batch_end(std::span<const QueryPoint> points,
             break;
         TimeCell cell_now = time_cell(*state, time_us);
         if (!times_us.empty() && cell_now == cell) {
-            times_us.back() = time_us; // a sea that runs then has run before
+            if (to_be_seen(time_us)) // a sea that runs then has run before
+                times_us.back() = time_us;
             continue;
         }
         if (times_us.size() == cells_max)

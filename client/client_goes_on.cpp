@@ -240,16 +240,6 @@ void Client::say_what_is_held() {
         events_.on_status(now);
 }
 
-bool Client::holds_waves_held(const SeaStatePtr& state, int depth) const {
-    if (rebuilt_.contains(state->epoch))
-        return true;
-    if (!state->glide)
-        return has_waves_held(epoch_of_waves_held(*state));
-    const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
-    return has_waves_held(state->epoch) && depth > 0 && before != state &&
-           holds_waves_held(before, depth - 1);
-}
-
 ClientStatus Client::status() const {
     const LocalUs now_us = local_now_us();
     const sea::FieldSet fields = sampled_fields();
@@ -327,7 +317,7 @@ void Client::join(Joining& joining, const SeaState& state) {
             if (apart)
                 told_from_us_ = std::max(told_from_us_, missed_.until_us);
             missed_ = {apart ? heard_us_ : std::min(missed_.from_us, heard_us_),
-                       std::max(heard_us_, state.start_time_us)};
+                       std::max(heard_us_, state.start_time_us), true};
         }
         clock_.begin_anew();
     }

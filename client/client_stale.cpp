@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "client/client.h"
 
@@ -39,7 +40,7 @@ bool Client::knows_sea_of(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
     const KnownSea known = known_held(*sea_state_held(time_us));
     if (missed_.contains(time_us))
-        return time_us >= known.start_us && time_us <= known.seen_until_us;
+        return known.was_seen(time_us);
     return known.has(time_us) && time_us <= told_until_us(*sea_state_held(heard_us_), heard_us_);
 }
 
@@ -49,13 +50,19 @@ void Client::note_seen(std::span<const std::pair<TimeUs, SeaStatePtr>> seas) {
         // What is to come may be changed yet. A state may have been forgotten meanwhile.
         if (time_us > heard_us_ || sea_state_held(time_us)->epoch != state->epoch)
             continue;
-        TimeUs& until_us = seen_until_us_.try_emplace(state->epoch, time_us).first->second;
-        until_us = std::max(until_us, time_us);
+        TimeUs& until_us =
+            seen_until_us_.try_emplace(state->epoch, std::numeric_limits<TimeUs>::min())
+                .first->second;
+        if (time_us <= until_us)
+            continue;
+        until_us = time_us;
+        ++times_seen_;
     }
 }
 
-bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms, std::span<double> moved_off_m) const {
+bool Client::mark_stale(bool beyond_held, std::span<const sea::QueryPoint> points,
+                        std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
+                        std::span<double> moved_off_m) const {
     std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
     bool nothing_comes = false;
     {
@@ -65,9 +72,7 @@ bool Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::
             unheard[1] = {heard_us_};
         nothing_comes = resuming_ || joining_->end;
     }
-    if (nothing_comes && std::ranges::any_of(answers, [](const sea::Answer& answer) {
-            return answer.flags & sea::answer_extrapolated;
-        }))
+    if (nothing_comes && beyond_held)
         return false;
     mark(unheard, points, answers, terms, moved_off_m);
     return true;
@@ -91,7 +96,8 @@ void Client::mark(std::span<const Unheard> unheard, std::span<const sea::QueryPo
     for (std::size_t i = 0; i < points.size(); ++i) {
         TimeUs from_us = std::numeric_limits<TimeUs>::max();
         for (const Unheard& span : unheard)
-            if (span.contains(points[i].time_us))
+            if (span.contains(points[i].time_us) &&
+                !(span.missed && known_sea(points[i].time_us).was_seen(points[i].time_us)))
                 from_us = std::min(from_us, span.from_us);
         if (from_us == std::numeric_limits<TimeUs>::max())
             continue;

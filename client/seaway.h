@@ -265,8 +265,8 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
 seaway_code seaway_unsubscribe(seaway_client* client);
 
 /* Fetches what is needed to sample at these times, where it is not held. For a few times: the ring
- * that holds keyframes is bounded, the oldest go first; times in more intervals of keyframes than it has room for (24) are
- * SEAWAY_BAD_ARGUMENT. timeout_s 0: 10. Blocks. */
+ * that holds keyframes is bounded, the oldest go first; times in more intervals of keyframes than it has room for (24 of maps
+ * of 256, 6 of 512, 2 of 1024) are SEAWAY_BAD_ARGUMENT. timeout_s 0: 10. Blocks. */
 seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t count,
                         double timeout_s);
 

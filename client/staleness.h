@@ -24,6 +24,7 @@ inline constexpr sea::TimeUs change_told_ahead_us = 1'000'000;
 struct Unheard {
     sea::TimeUs from_us = std::numeric_limits<sea::TimeUs>::max();
     sea::TimeUs until_us = std::numeric_limits<sea::TimeUs>::max();
+    bool missed = false; ///< in the past, so that the server can still be asked what ran
 
     bool contains(sea::TimeUs time_us) const { return time_us > from_us && time_us < until_us; }
 };
@@ -39,9 +40,10 @@ struct KnownSea {
     sea::TimeUs start_us;     ///< of this one
     sea::TimeUs seen_until_us = std::numeric_limits<sea::TimeUs>::min();
 
-    bool has(sea::TimeUs time_us) const {
-        return time_us >= told_from_us || (time_us >= start_us && time_us <= seen_until_us);
+    bool was_seen(sea::TimeUs time_us) const {
+        return time_us >= start_us && time_us <= seen_until_us;
     }
+    bool has(sea::TimeUs time_us) const { return time_us >= told_from_us || was_seen(time_us); }
 };
 
 /// What is added to the error of a height about this time; never less at a later one. 0 up to the first moment at which

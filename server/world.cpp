@@ -110,8 +110,11 @@ sea::TimeUs World::announce_due() {
 std::vector<RunningSeaPtr> World::origins_of(RunningSeaPtr sea) const {
     std::vector<RunningSeaPtr> origins;
     while (sea->glide && origins.size() + 1 < protocol::limits::spectra_max) {
-        sea = course_->at(sea->glide->change.start_us() - 1);
+        const sea::TimeUs start_us = sea->glide->change.start_us();
+        sea = course_->at(start_us - 1);
         origins.push_back(sea);
+        if (sea->glide && sea->glide->change.end_us() <= start_us)
+            break; // its waves are those that it led to, whatever it came from
     }
     return origins;
 }

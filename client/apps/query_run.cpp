@@ -104,7 +104,7 @@ Result<std::optional<std::string>> why_no_waves(Client& client, const QueryOptio
 Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& options,
                                       const sea::Looking& looking,
                                       std::span<const sea::QueryPoint> points) {
-    constexpr std::size_t times_at_once = 16; // the client holds those around 24
+    std::size_t times_at_once = 16; // of maps of 256 the client holds those around 24
     std::vector<sea::Answer> answers;
     while (answers.size() < points.size()) {
         const auto rest = points.subspan(answers.size());
@@ -118,8 +118,15 @@ Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& option
                 break;
             times_us.push_back(time_us);
         }
-        if (!times_us.empty())
-            SEAWAY_TRY(client.hold(times_us, options.timeout_s));
+        if (!times_us.empty()) {
+            const Result<void> held = client.hold(times_us, options.timeout_s);
+            if (!held && failure_of(held.error()) == Failure::bad_argument &&
+                times_us.size() > 1) { // larger maps
+                times_at_once = times_us.size() / 2;
+                continue;
+            }
+            SEAWAY_TRY(held);
+        }
         SEAWAY_TRY_LET(const std::vector<Water> water, client.look(rest.first(end), looking));
         for (const Water& one : water)
             answers.push_back(one.answer);

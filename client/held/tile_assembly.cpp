@@ -54,6 +54,7 @@ TileAssembly::add(const TileHeader& header, std::span<const std::uint8_t> payloa
         expected = maps->of(header.field);
     }
     Pending& pending = pending_for(header, cascade, depth_m, streamed);
+    pending.repeated = false;
     if (Result<void> taken = take(pending, header, payload, expected); !taken) {
         if (taken.error().is(protocol::TileMiss::other_expected))
             return Added{.unpredicted = true};
@@ -67,11 +68,19 @@ TileAssembly::add(const TileHeader& header, std::span<const std::uint8_t> payloa
         return !fields.empty() && pending.whole.contains(fields) &&
                !pending.handed_out.contains(fields);
     };
+    // Who asks again for what was handed out, and is still waited for by a stream of more, gets it with its first tile.
+    const auto asked_again = [&](FieldSet fields) {
+        const FieldSet sent = fields & pending.received;
+        return pending.repeated && pending.finished_then != finished_ && header.part == 0 &&
+               !sent.empty() && header.field == *sent.begin() &&
+               pending.handed_out.contains(fields);
+    };
     const auto satisfied = [&](FieldSet fields) { return pending.handed_out.contains(fields); };
     Added added;
     added.acknowledge = !pending.streamed.empty() && pending.whole.contains(pending.streamed);
     if (newly_whole(pending.streamed) ||
-        std::any_of(requested.begin(), requested.end(), newly_whole))
+        std::any_of(requested.begin(), requested.end(), newly_whole) ||
+        std::any_of(requested.begin(), requested.end(), asked_again))
         added.complete = assemble(pending);
     if (!pending.handed_out.empty() && satisfied(pending.streamed) &&
         std::all_of(requested.begin(), requested.end(), satisfied))
@@ -145,8 +154,10 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
     if (header.follows != map.follows)
         return bad_tile(header, "other fields follow from it than its first part said");
     const std::uint64_t part_bit = std::uint64_t{1} << header.part;
-    if ((map.parts_seen & part_bit) != 0)
-        return {}; // the copy of another delivery
+    if ((map.parts_seen & part_bit) != 0) { // the copy of another delivery
+        pending.repeated = true;
+        return {};
+    }
     const std::size_t samples = area(header.width, header.height);
     if (map.samples_seen + samples > map.values.size())
         return bad_tile(header, "its parts are larger than the map");
@@ -187,6 +198,7 @@ void TileAssembly::keep_as_base(const Pending& pending, const TileHeader& header
 }
 
 std::vector<HeldKeyframePtr> TileAssembly::finish(FieldSet fields) {
+    ++finished_;
     std::vector<HeldKeyframePtr> complete;
     for (Pending& pending : pending_) {
         pending.whole |= pending.follows & fields;
@@ -299,6 +311,7 @@ HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
     if (pending.linear_size < pending.size)
         compact.size = pending.linear_size;
     pending.handed_out = pending.whole;
+    pending.finished_then = finished_;
     return std::make_shared<const HeldKeyframe>(std::move(keyframe), errors, compact);
 }
 

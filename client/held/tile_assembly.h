@@ -84,6 +84,8 @@ class TileAssembly {
         sea::FieldSet whole;      ///< what is received, and made of that for somebody
         sea::FieldSet handed_out; ///< fields of the last keyframe made from it
         std::array<Map, sea::field_count> maps;
+        bool repeated = false; ///< what came last had come before
+        int finished_then = 0; ///< requests that had ended when it was handed out
     };
 
     Pending& pending_for(const protocol::TileHeader& header, const protocol::CascadeInfo& cascade,
@@ -110,6 +112,7 @@ class TileAssembly {
     /// By size, length and depth.
     std::map<std::tuple<int, double, double>, sea::Orbits> orbits_;
     std::atomic<std::uint64_t> dropped_ = 0;
+    int finished_ = 0; ///< requests that have ended
 };
 
 } // namespace seaway::client

@@ -30,6 +30,7 @@ class Kept {
     const One& wanted_one() const { return wanted_; }
 
     Serial ask(Wish wish) {
+        open_.reserve(open_max + 1); // a reply that comes too late takes no memory
         wanted_ = {std::move(wish), ++last_};
         return last_;
     }

@@ -158,19 +158,45 @@ double hurried_by_loop(const Scene& scene, const Realization& realization) {
     return all > 0 ? hurried / all : 0;
 }
 
-void warn_of_time_and_depth(const Scene& scene, const Realization& realization, double peak_m,
+/// Of waves whose orbits are drawn too narrow (orbit_aspect()): their share of the energy, and of their width.
+struct Narrowed {
+    double energy_share = 0;
+    double width = 1; ///< of what it should be, on average over that energy
+};
+Narrowed narrowed_by_depth(const Scene& scene, const Realization& realization) {
+    double energy = 0, width = 0, all = 0;
+    for (const CascadeModes& modes : realization.cascades) {
+        const int size = modes.spec.size;
+        const double step_kd = modes.spec.wavenumber_step_radpm() * scene.sea.depth_m;
+        for (std::size_t i = 0; i < modes.h0.size(); ++i) {
+            const double norm = std::norm(modes.h0[i]);
+            all += norm;
+            if (norm == 0 || step_kd >= orbit_kd_min)
+                continue;
+            const double kd = step_kd * std::hypot(signed_index(static_cast<int>(i) % size, size),
+                                                   signed_index(static_cast<int>(i) / size, size));
+            if (kd >= orbit_kd_min)
+                continue;
+            energy += norm;
+            width += norm * kd / orbit_kd_min;
+        }
+    }
+    return energy > 0 ? Narrowed{energy / all, width / energy} : Narrowed{};
+}
+
+void warn_of_time_and_depth(const Scene& scene, const Realization& realization,
                             std::vector<std::string>& warnings) {
     if (const double hurried = hurried_by_loop(scene, realization); hurried > hurried_reported)
         warnings.push_back(fmt::format(
             "sea.loop_period_s = {:g}: to be whole turns, waves run {:.0f} % faster or slower than "
             "water does; a longer loop changes them less",
             scene.sea.loop_period_s, 100.0 * hurried));
-    const double kd = peak_m > 0 ? two_pi * scene.sea.depth_m / peak_m : orbit_kd_min;
-    if (kd < orbit_kd_min)
-        warnings.push_back(fmt::format("the longest peak, of {:.0f} m, is more than 125 times as "
-                                       "long as the water is deep: sideways "
-                                       "motion of such waves is {:.2g} of what it should be",
-                                       peak_m, kd / orbit_kd_min));
+    const Narrowed narrowed = narrowed_by_depth(scene, realization);
+    if (narrowed.energy_share > lost_share_reported)
+        warnings.push_back(fmt::format(
+            "{:.0f} % of the energy is in waves more than 125 times as long as the water is deep: "
+            "their sideways motion is {:.2g} of what it should be",
+            100.0 * narrowed.energy_share, narrowed.width));
 }
 
 /// Of the longest tile of spectra. Those of waves given one by one may be longer, and scatter by nothing.
@@ -192,6 +218,7 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Realization& r
     warn_of_lattice_bias(summary, warnings);
     warn_of_added_tiles(realization, warnings);
     warn_of_accuracy(scene, budget, warnings);
+    warn_of_time_and_depth(scene, realization, warnings);
     if (!(height > 0.0))
         return warnings;
     const double variance = height * height / 16.0;
@@ -203,7 +230,6 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Realization& r
             "{:g}: Hs of one seed scatters by {:.0f} %",
             tile, tile / peak, peak, tile_wavelengths_min,
             100.0 * largest_scatter(realization, summary)));
-    warn_of_time_and_depth(scene, realization, peak, warnings);
     if (height > breaking_height_over_depth * scene.sea.depth_m)
         warnings.push_back(fmt::format(
             "Hs {:.2f} m is above {:g} of the depth, {:g} m: such waves break, outside the model",

@@ -117,7 +117,7 @@ void blend_sines(const CascadeModes& before, double share, CascadeModes& modes) 
 
 /// By its inverse: deep water is none, and coth(kd) moves without a jump.
 double mixed_depth_m(double a_m, double b_m, double share) {
-    return 1.0 / glided(1.0 / a_m, 1.0 / b_m, share);
+    return a_m == b_m ? a_m : 1.0 / glided(1.0 / a_m, 1.0 / b_m, share);
 }
 
 /// By what share coth(k d) grows while the inverse of the depth grows by so much: d/d(1/d) of its logarithm is

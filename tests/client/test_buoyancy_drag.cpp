@@ -110,6 +110,27 @@ TEST(Buoyancy, a_body_with_added_mass_that_turns_has_no_more_energy_than_before)
     EXPECT_GT(most_j, 20 * before_j);
 }
 
+// Naive: momentum over ground. Water that takes a hull along turns it by nothing.
+TEST(Buoyancy, a_hull_that_drifts_with_the_water_keeps_its_course) {
+    for (const double spin_radps : {0.0, 0.2}) {
+        Floating boat;
+        boat.hull.added_mass[0] = 0.05;
+        boat.hull.added_mass[1] = 0.9;
+        boat.hull.added_mass[2] = 1.0;
+        boat.body.velocity_mps[0] = 2;
+        boat.body.velocity_mps[1] = 1;
+        boat.body.angular_velocity_radps[2] = spin_radps;
+        const auto current = [](const seaway_point&) {
+            return seaway_answer{0, {0, 0, 1}, {2, 1, 0}, 0, 0, 0};
+        };
+        for (int i = 0; i < 3600; ++i)
+            ASSERT_EQ(boat.ride(current, 0, frame_s), SEAWAY_OK);
+        EXPECT_NEAR(boat.body.velocity_mps[0], 2, 1e-6);
+        EXPECT_NEAR(boat.body.velocity_mps[1], 1, 1e-6);
+        EXPECT_NEAR(boat.body.angular_velocity_radps[2], spin_radps, 1e-6);
+    }
+}
+
 // Found by a stranger: 50 m/s from a fall of 1.5 m.
 TEST(Buoyancy, a_box_with_added_mass_that_was_dropped_askew_gets_no_faster_whatever_the_step) {
     for (const double step_s : {1.0 / 240, 1.0 / 60, 0.1, 1.0})

@@ -80,6 +80,21 @@ TEST_F(LiveSeas, before_all_that_a_client_was_told_of_waves_have_no_bound) {
         constexpr double deep_m = -5;
         EXPECT_EQ(client->below({&point, 1}, {&deep_m, 1}, {}).value().answers[0].flags, flags);
     }
+    // Waves go on without a server, of that time as of any; and each answer of several says what is wrong with it.
+    net.reset();
+    ASSERT_TRUE(eventually([&] { return client->status().state != LinkState::connected; }));
+    const sea::TimeUs later_us = client->now_us() + 60'000'000;
+    const sea::QueryPoint both[] = {{3, 4, start_us - 1}, {3, 4, later_us}};
+    const double deep_m[] = {-5, -5};
+    const auto expect = [&](const std::vector<sea::Answer>& answers) {
+        EXPECT_EQ(answers[0].flags, unsigned{sea::answer_extrapolated});
+        EXPECT_EQ(answers[1].flags, unsigned{sea::answer_stale});
+        EXPECT_GT(answers[1].error_m, 0.1);
+    };
+    expect(client->sample(both).value());
+    expect(client->below(both, deep_m, {}).value().answers);
+    const std::vector<Water> water = client->look(both, {}).value();
+    expect({water[0].answer, water[1].answer});
 }
 
 // Naive: in order of their starts, one that was to come later takes over from the one that took over from it.

@@ -2,7 +2,9 @@
 // Times at which another sea runs than now: what seaway-query says of them, and what a client knows.
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <string>
+#include <thread>
 
 #include <signal.h>
 
@@ -12,6 +14,8 @@
 
 #include "base/child_process.h"
 #include "tests/server/change_bench.h"
+#include "tests/support/eventually.h"
+#include "tests/support/fault_proxy.h"
 
 namespace seaway::changes {
 namespace {
@@ -77,9 +81,10 @@ class OtherSeas : public testing::Test {
 // left out of one in which they do not.
 TEST_F(OtherSeas, who_asks_from_waves_is_answered_from_the_sea_of_each_time) {
     const std::string places = tests::folder().write(
-        "times.csv", "3,4,-350\n3,4,-250\n3,4,-150\n3,4,-50\n3,4,60\n3,4,1300\n5,6\n");
+        "times.csv",
+        "3,4,-350\n3,4,-250\n3,4,-150\n3,4,-50\n3,4,-80.01\n3,4,-79.99\n3,4,60\n3,4,1300\n5,6\n");
     const nlohmann::json exact = answers("--exact --points " + places);
-    ASSERT_EQ(exact.size(), 7u);
+    ASSERT_EQ(exact.size(), 9u);
     for (const char* how : {"", "--from spectrum", "--from scene"}) {
         const nlohmann::json here = answers("--points " + places + " --local " + how);
         ASSERT_EQ(here.size(), exact.size()) << how;
@@ -177,6 +182,59 @@ TEST_F(OtherSeas, what_ran_between_two_that_a_client_was_told_of_it_does_not_kno
     EXPECT_FALSE(client->knows_sea_of(between_us));
     EXPECT_TRUE(client->knows_sea_of(client->now_us()));
     EXPECT_FALSE(client->knows_sea_of(client->now_us() + 60'000'000));
+}
+
+// Naive: a glide comes from where the one before came from, and so on: waves of a weather without pauses are never all there. Where one
+// has ended as the next begins, what it led to is all that counts.
+TEST(RowsWithoutPauses, leave_who_has_waves_with_waves_and_newcomers_too) {
+    std::string scene(four_seas, std::strstr(four_seas, "[[weather]]"));
+    for (int row = 0; row < 8;
+         ++row) // one sea of them runs: ten seconds each, from long ago to far ahead
+        scene += fmt::format("[[weather]]\nat_s = {}.0\nover_s = 10.0\n"
+                             "set.sea.system.0.wind_speed_10m_mps = {}.0\n",
+                             -65 + 10 * row, 7 + row % 2);
+    tests::ServerProcess server({tests::folder().write("rows.toml", scene), "--listen",
+                                 "127.0.0.1:0", "--device", "native"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const auto client = connect(url);
+    ASSERT_TRUE(client);
+    ASSERT_TRUE(client->subscribe_spectrum({}, 10));
+    for (int look = 0; look < 8; ++look) {
+        const sea::QueryPoint now{3, 4, client->now_us()};
+        const Result<std::vector<sea::Answer>> own = client->sample({&now, 1});
+        ASSERT_TRUE(own) << look << ": " << own.error().message;
+        const Result<std::vector<sea::Answer>> exact = client->ask({&now, 1}, {true, 10, {}});
+        ASSERT_TRUE(exact);
+        EXPECT_LE(std::abs(own->at(0).height_m - exact->at(0).height_m), own->at(0).error_m);
+        EXPECT_TRUE(client->status().holds_waves);
+        std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    }
+}
+
+// Naive: what was missed stays doubtful, whatever the server says of it when it is asked.
+TEST(MissedSeas, are_known_again_once_the_server_has_been_asked) {
+    tests::ServerProcess server(arguments(tests::folder().file("missed")));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const int port = std::stoi(url.substr(url.rfind(':') + 1));
+    tests::FaultProxy line(port);
+    const auto client = connect("ws://127.0.0.1:" + std::to_string(line.port()));
+    ASSERT_TRUE(client);
+    line.lead_to(1); // where nobody listens
+    line.cut();
+    const Said said = ctl(url, {"set", "sea.seed=5", "--over", "10s"});
+    ASSERT_EQ(said.code, 0) << said.words;
+    const auto start_us = sea::us_from_seconds(number(said.words, "start_s"));
+    ASSERT_TRUE(tests::eventually([&] { return client->now_us() > start_us + 2'000'000; }));
+    line.lead_to(port);
+    ASSERT_TRUE(tests::eventually([&] { return client->status().connections == 2; }));
+    const sea::QueryPoint missed{3, 4, start_us + 1'000'000};
+    EXPECT_FALSE(client->knows_sea_of(missed.time_us));
+    ASSERT_TRUE(tests::eventually([&] { // once the server was heard to be behind that
+        return client->hold({&missed.time_us, 1}, 30) && client->knows_sea_of(missed.time_us);
+    }));
+    EXPECT_EQ(client->sample({&missed, 1}).value()[0].flags, 0u);
 }
 
 } // namespace

@@ -224,6 +224,10 @@ TEST(World, displacements_do_not_follow_while_the_depth_of_a_glide_that_was_cut_
     const RunningSeaPtr same = *make_glide(*tide, *windy, 4, 70 * s, 100 * s);
     EXPECT_TRUE(same->budget.displacement_follows);
     EXPECT_TRUE((*make_glide(*same, *tide, 6, 80 * s, 110 * s))->budget.displacement_follows);
+    // Naive: 1 / (1 / 49) is not 49.
+    const RunningSeaPtr calm = made(1, 49, 9), fresh = made(3, 49, 10), gale = made(5, 49, 12);
+    const RunningSeaPtr rising = *make_glide(*calm, *fresh, 2, 0, 60 * s);
+    EXPECT_TRUE((*make_glide(*rising, *gale, 4, 16 * s, 46 * s))->budget.displacement_follows);
 }
 
 // Naive: whatever follows is named. A client would move points of a sea that is offered without sideways motion.

@@ -182,6 +182,22 @@ TEST(TileAssembly, what_the_stream_has_not_finished_outlives_the_request_that_ha
     EXPECT_EQ(assembly.keyframes(), 0u);
 }
 
+// Naive: all of it has been seen, and nothing is handed out. A client that lets pass what it did not know that it wants asks again.
+TEST(TileAssembly, a_request_that_asks_again_gets_what_an_earlier_one_was_handed) {
+    TileAssembly assembly;
+    const auto part = [](Field field) { return parts_of(field, 16, 16).front(); };
+    for (int request = 0; request < 3; ++request) {
+        int complete = 0;
+        for (const Field field : {Field::height, Field::height_rate})
+            complete += add(assembly, part(field), three_fields, {pair_fields}).complete != nullptr;
+        EXPECT_EQ(complete, 1) << request;
+        EXPECT_TRUE(assembly.finish(pair_fields).empty()) << request;
+    }
+    // The stream still gets its own.
+    EXPECT_TRUE(add(assembly, part(Field::displacement_x), three_fields).acknowledge);
+    EXPECT_EQ(assembly.keyframes(), 0u);
+}
+
 TEST(TileAssembly, parts_belong_together_by_number_epoch_cascade_and_time) {
     const std::vector<Part> parts = parts_of(Field::height, 32, 16);
     for (int differs = -1; differs < 4; ++differs) {
