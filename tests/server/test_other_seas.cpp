@@ -229,7 +229,8 @@ TEST(MissedSeas, are_known_again_once_the_server_has_been_asked) {
     ASSERT_TRUE(tests::eventually([&] { return client->now_us() > start_us + 2'000'000; }));
     line.lead_to(port);
     ASSERT_TRUE(tests::eventually([&] { return client->status().connections == 2; }));
-    const sea::QueryPoint missed{3, 4, start_us + 1'000'000};
+    const sea::QueryPoint missed{
+        3, 4, start_us - 1000}; // before the sea that it was told of on its return
     EXPECT_FALSE(client->knows_sea_of(missed.time_us));
     ASSERT_TRUE(tests::eventually([&] { // once the server was heard to be behind that
         return client->hold({&missed.time_us, 1}, 30) && client->knows_sea_of(missed.time_us);
