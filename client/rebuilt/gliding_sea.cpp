@@ -42,7 +42,8 @@ Result<std::shared_ptr<const GlidingSea>> GlidingSea::create(const protocol::Sea
         return failed(Failure::not_held, change.error().message);
     // Shares that add up to one of two errors that have nothing to do with each other.
     const RebuiltError error{std::max(from.error().height_m, to.error().height_m),
-                             std::max(from.error().displacement_m, to.error().displacement_m)};
+                             std::max(from.error().displacement_m, to.error().displacement_m),
+                             std::max(from.error().strain, to.error().strain)};
     return std::shared_ptr<const GlidingSea>(new GlidingSea(*std::move(change), state, error));
 }
 

@@ -47,7 +47,10 @@ void RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::
 }
 
 sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {
-    return {waves_->choppiness, tolerance_m(point), folds_};
+    sea::InverseOptions options{waves_->choppiness, tolerance_m(point), folds_};
+    if (error_.strain > 0)
+        options.blur = {error_.height_m, error_.displacement_m, error_.strain};
+    return options;
 }
 
 void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer,

@@ -23,6 +23,7 @@ namespace seaway::client {
 struct RebuiltError {
     double height_m = 0;
     double displacement_m = 0; ///< of a component of D
+    double strain = 0;         ///< of grad D; 0: too little to hide a fold
 };
 
 class RebuiltSea;

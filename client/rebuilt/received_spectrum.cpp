@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/rebuilt/received_spectrum.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace seaway::client {
@@ -39,13 +40,23 @@ Result<void> ReceivedSpectrum::add(const sea::SpectrumLeft& left,
     return {};
 }
 
+namespace {
+
+/// Strain is slope, wider by what shallow water makes of displacements.
+RebuiltError error_of(const sea::SpectrumLeft& left) {
+    const double wider =
+        left.height_m > 0 ? std::max(left.displacement_m / left.height_m, 1.0) : 1.0;
+    return {sea::spectrum_sigmas * left.height_m, sea::spectrum_sigmas * left.displacement_m,
+            sea::spectrum_sigmas * left.slope * wider};
+}
+
+} // namespace
+
 RebuiltSeaPtr ReceivedSpectrum::sea() const {
     const std::scoped_lock lock(mutex_);
     if (!sea_ && left_)
         sea_ = std::make_shared<const RebuiltSea>(
-            std::make_shared<const sea::Realization>(builder_->sea()), *state_,
-            RebuiltError{sea::spectrum_sigmas * left_->height_m,
-                         sea::spectrum_sigmas * left_->displacement_m});
+            std::make_shared<const sea::Realization>(builder_->sea()), *state_, error_of(*left_));
     return sea_;
 }
 

@@ -77,10 +77,18 @@ class SheetBounds : public SheetField {
     virtual bool newton_decides() const { return false; }
 };
 
+/// What a field is off by from the sea that is meant, at any place: bounds. All 0: it is that sea.
+struct FieldBlur {
+    double height_m = 0;
+    double displacement_m = 0; ///< of a component of D
+    double strain = 0;         ///< of grad D
+};
+
 struct InverseOptions {
     Choppiness choppiness;
     double tolerance_m = 1e-4; ///< residual |X + lambda D(X) - x| that counts as solved
     FoldSearch folds;
+    FieldBlur blur = {}; ///< of a moment: other sheets may lie where it does not tell
 };
 
 /// Height, normal, velocity and flags at the point; error_m holds residual * slope alone, the

@@ -11,8 +11,8 @@ std::optional<Box> MomentSheets::others(Vec2 target, const Vec2* root, bool susp
     const double sideways = std::max(options_.choppiness.x, options_.choppiness.y);
     RecycledVector<double> reach_m;
     double all_m = 0;
-    blur_m_ = options_.tolerance_m;
-    height_blur_m_ = options_.tolerance_m;
+    blur_m_ = options_.tolerance_m + sideways * options_.blur.displacement_m;
+    height_blur_m_ = options_.tolerance_m + options_.blur.height_m;
     for (std::size_t c = 0; c < moment_.sea().cascades.size(); ++c) {
         const DirectSum::Moment::PatchScale scale = moment_.patch_scale(static_cast<int>(c));
         reach_m.push_back(sideways * scale.displacement_m);

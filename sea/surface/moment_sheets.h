@@ -8,8 +8,13 @@
 // not converge, and all of seas that fold more often than above one place of 2e7 (FoldSearch::always,
 // folded_share()).
 //
+// Of waves that were rounded (InverseOptions::blur) Newton solves a sum that is off itself: where that leaves another sheet open
+// it stays so.
+//
 // For one point; not thread-safe. Cost: 0.2 to 5 ms where it searches, nothing elsewhere.
 #pragma once
+
+#include <algorithm>
 
 #include "sea/surface/patch_sheets.h"
 
@@ -22,9 +27,11 @@ class MomentSheets final : public PatchSheets {
 
     std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
     double blur_m() const override { return blur_m_; }
-    double strain_blur() const override { return 0; }
+    double strain_blur() const override {
+        return std::max(options_.choppiness.x, options_.choppiness.y) * options_.blur.strain;
+    }
     double height_blur_m() const override { return height_blur_m_; }
-    bool newton_decides() const override { return true; }
+    bool newton_decides() const override { return !(options_.blur.strain > 0); }
 
   private:
     SheetPatch patch(std::size_t cascade, const Box& box) const override;
