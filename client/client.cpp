@@ -357,14 +357,26 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
     bool beyond_held = false;
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
-        const SeaThen then = sea_then(time_us);
+        SeaThen then = sea_then(time_us);
         TimeSpan span = then.span;
-        if (!then.waves) {
+        const auto is_held = [&]() -> Result<void> {
+            return then.waves ? Result<void>{}
+                              : surfaces.lend(then.state, ring, time_us, fields, surface);
+        };
+        if (!then.waves)
             splines_ahead_ = splines_ahead_max;
-            SEAWAY_TRY(surfaces.lend(then.state, ring, time_us, fields, surface));
+        bool late = false; // what is of its sea has not come yet: the one before goes on
+        if (const Result<void> held = is_held(); !held) {
+            const std::uint32_t epoch = then.state->epoch;
+            then = sea_then(then.state->start_time_us - 1);
+            late = true;
+            span = {time_us, time_us};
+            if (then.state->epoch == epoch || !is_held())
+                return held.error();
+        }
+        if (!then.waves)
             span = glides_choppiness(*then.state) ? TimeSpan{time_us, time_us}
                                                   : span.within(surface.times());
-        }
         // All that follows of the same keyframes, at once: points share what a time costs, and wait for memory together.
         std::size_t end = first + 1;
         while (end < points.size() &&
@@ -388,7 +400,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
         const bool beyond = !then.waves && !surface->covers;
         beyond_held |= beyond;
         for (std::size_t i = 0; i < asked.size(); ++i)
-            if (beyond || !then.known.has(asked[i].time_us))
+            if (beyond || late || !then.known.has(asked[i].time_us))
                 answered[i].flags |= sea::answer_extrapolated;
     }
     if (!mark_stale(beyond_held, points, answers, how.terms))

@@ -97,6 +97,22 @@ TEST_F(LiveSeas, before_all_that_a_client_was_told_of_waves_have_no_bound) {
     expect({water[0].answer, water[1].answer});
 }
 
+// Naive: of a sea that was told of and has begun nothing is held, so nothing is answered: a boat stops for a keyframe that is late.
+TEST_F(LiveSeas, where_the_keyframes_of_a_sea_are_late_the_one_before_goes_on) {
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    const sea::QueryPoint now{3, 4, sea.sea_time_us()};
+    ASSERT_TRUE(client->hold({&now.time_us, 1}, 30));
+    const sea::Answer before = client->sample({&now, 1}).value()[0];
+    EXPECT_EQ(before.flags, 0u);
+    announce(4, now.time_us - 1000);
+    ASSERT_EQ(client->sea_state(now.time_us)->epoch, 4u);
+    const Result<std::vector<sea::Answer>> after = client->sample({&now, 1});
+    ASSERT_TRUE(after) << after.error().message;
+    EXPECT_EQ(after->at(0).flags, unsigned{sea::answer_extrapolated});
+    EXPECT_EQ(after->at(0).height_m, before.height_m);
+}
+
 // Naive: in order of their starts, one that was to come later takes over from the one that took over from it.
 TEST_F(LiveSeas, a_later_one_takes_over_from_those_that_were_to_begin_after_it) {
     const auto client = connect();

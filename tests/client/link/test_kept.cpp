@@ -74,10 +74,12 @@ TEST(Kept, of_two_that_were_not_answered_in_time_the_older_stays_where_the_other
     kept.failed(two, 2, late);
     kept.failed(three, 3, late);
     EXPECT_EQ(kept.wanted(), 3);
+    kept.failed(kept.ask(4), 4, refused);
+    EXPECT_EQ(kept.wanted(), 3) << "the last of them";
     kept.failed(three, 3, refused);
     EXPECT_EQ(kept.wanted(), 2);
     kept.granted(two, 2);
-    kept.failed(kept.ask(4), 4, refused);
+    kept.failed(kept.ask(5), 5, refused);
     EXPECT_EQ(kept.wanted(), 2);
     EXPECT_EQ(kept.wanted_one().serial, two);
 }
