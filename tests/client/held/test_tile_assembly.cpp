@@ -191,6 +191,8 @@ TEST(TileAssembly, a_request_that_asks_again_gets_what_an_earlier_one_was_handed
         for (const Field field : {Field::height, Field::height_rate})
             complete += add(assembly, part(field), three_fields, {pair_fields}).complete != nullptr;
         EXPECT_EQ(complete, 1) << request;
+        EXPECT_FALSE(add(assembly, part(Field::height), three_fields, {pair_fields}).complete)
+            << "a copy, while the request goes on";
         EXPECT_TRUE(assembly.finish(pair_fields).empty()) << request;
     }
     // The stream still gets its own.
