@@ -7,6 +7,7 @@
 
 #include "client/link/failure.h"
 #include "client/wanted.h"
+#include "sea/basics/glide.h"
 
 namespace seaway::client {
 
@@ -349,31 +350,37 @@ Client::SeaThen Client::sea_then(TimeUs time_us) const {
     return then;
 }
 
+Result<bool> Client::hold_then(SeaThen& then, const KeyframeRing& ring, TimeUs time_us,
+                               HeldSurfaces& surfaces, HeldSurfaces::Lent& surface) const {
+    const auto is_held = [&]() -> Result<void> {
+        if (then.waves)
+            return {};
+        splines_ahead_ = splines_ahead_max;
+        return surfaces.lend(then.state, ring, time_us, sampled_fields(), surface);
+    };
+    const Result<void> held = is_held();
+    // No longer than the shortest change takes: after that it is another sea.
+    if (held || time_us - then.state->start_time_us >= sea::glide_us_min)
+        return held ? Result<bool>(false) : held.error();
+    const std::uint32_t epoch = then.state->epoch;
+    then = sea_then(then.state->start_time_us - 1);
+    if (then.state->epoch == epoch || !is_held())
+        return held.error();
+    return true;
+}
+
 Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
                                  std::span<const QueryPoint> points, std::span<Answer> answers,
                                  const Sampling& how) const {
-    const sea::FieldSet fields = sampled_fields();
     HeldSurfaces::Lent surface;
     bool beyond_held = false;
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
         SeaThen then = sea_then(time_us);
         TimeSpan span = then.span;
-        const auto is_held = [&]() -> Result<void> {
-            return then.waves ? Result<void>{}
-                              : surfaces.lend(then.state, ring, time_us, fields, surface);
-        };
-        if (!then.waves)
-            splines_ahead_ = splines_ahead_max;
-        bool late = false; // what is of its sea has not come yet: the one before goes on
-        if (const Result<void> held = is_held(); !held) {
-            const std::uint32_t epoch = then.state->epoch;
-            then = sea_then(then.state->start_time_us - 1);
-            late = true;
+        SEAWAY_TRY_LET(const bool late, hold_then(then, ring, time_us, surfaces, surface));
+        if (late)
             span = {time_us, time_us};
-            if (then.state->epoch == epoch || !is_held())
-                return held.error();
-        }
         if (!then.waves)
             span = glides_choppiness(*then.state) ? TimeSpan{time_us, time_us}
                                                   : span.within(surface.times());

@@ -357,6 +357,9 @@ class Client {
         KnownSea known;
     };
     SeaThen sea_then(sea::TimeUs time_us) const;
+    /// Has what answers of that time take: waves, or a surface. True: of its sea nothing has come yet, and `then` is the one before.
+    Result<bool> hold_then(SeaThen& then, const KeyframeRing& ring, sea::TimeUs time_us,
+                           HeldSurfaces& surfaces, HeldSurfaces::Lent& surface) const;
     Result<void> sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
                              std::span<const sea::QueryPoint> points,
                              std::span<sea::Answer> answers, const Sampling& how) const;

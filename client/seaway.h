@@ -207,7 +207,8 @@ enum {
     SEAWAY_FOLDED = 1, /* folds here, or may within the error of the maps: the highest sheet */
     SEAWAY_NOT_CONVERGED = 2, /* error_m covers it */
     SEAWAY_EXTRAPOLATED =
-        4, /* outside the keyframes held, or at a time of which it is not known which sea ran; error_m is no bound */
+        4, /* outside the keyframes held, of the sea before one that has just begun and has not come yet, or at a time of which it is
+              not known which sea ran; error_m is no bound */
     SEAWAY_INVALID = 8, /* a coordinate was not a finite number; the rest is NaN */
     SEAWAY_EXACT = 16,  /* direct sum in double precision */
     SEAWAY_VERTICAL_VELOCITY =
@@ -273,7 +274,8 @@ seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t c
 /* Answers from what is held; at once. Points of equal times should stand together. Times are 1e18 us either side of 0 at
  * most, and coordinates 1e9 m, beyond which there is no sea: SEAWAY_BAD_ARGUMENT. A time that the
  * keyframes held do not cover is answered as well as can be, flagged SEAWAY_EXTRAPOLATED: beyond them the sea
- * runs on for a quarter of what lies between two of them, and stands. SEAWAY_NOT_HELD if there are none at all. From waves
+ * runs on for a quarter of what lies between two of them, and stands. SEAWAY_NOT_HELD if there are none at all, of the
+ * sea of that time or, for the first ten seconds of a change, of the one before. From waves
  * it is answered as the sea was told to be: a change is told of an interval of keyframes and a second before it begins, so what is further
  * ahead has not what is decided later, nor rows of a timetable that are still to be told; who needs those seaway_holds the time first. */
 seaway_code seaway_sample(const seaway_client* client, const seaway_point* points, size_t count,

@@ -165,7 +165,7 @@ typedef struct seaway_source {
 } seaway_source;
 
 /* What seaway_sample of this time would answer from: parameters before a spectrum before tiles; the same call within the same
- * stated bounds, whichever it is. */
+ * stated bounds, whichever it is. That of the sea of that time: a sample that goes on with the sea before is flagged. */
 seaway_code seaway_get_source(const seaway_client* client, int64_t time_us, seaway_source* source);
 
 /* Makes the sea of this time from its scene: nothing but the scene and the probes came over the line. Of that sea alone: after

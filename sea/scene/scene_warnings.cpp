@@ -193,10 +193,10 @@ void warn_of_time_and_depth(const Scene& scene, const Realization& realization,
             scene.sea.loop_period_s, 100.0 * hurried));
     const Narrowed narrowed = narrowed_by_depth(scene, realization);
     if (narrowed.energy_share > lost_share_reported)
-        warnings.push_back(fmt::format(
-            "{:.0f} % of the energy is in waves more than 125 times as long as the water is deep: "
-            "their sideways motion is {:.2g} of what it should be",
-            100.0 * narrowed.energy_share, narrowed.width));
+        warnings.push_back(fmt::format("{:.0f} % of the energy of spectra and modes is in waves "
+                                       "more than 125 times as long as the water is deep: "
+                                       "their sideways motion is {:.2g} of what it should be",
+                                       100.0 * narrowed.energy_share, narrowed.width));
 }
 
 /// Of the longest tile of spectra. Those of waves given one by one may be longer, and scatter by nothing.

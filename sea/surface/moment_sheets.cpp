@@ -6,7 +6,8 @@
 namespace seaway::sea {
 
 std::optional<Box> MomentSheets::others(Vec2 target, const Vec2* root, bool suspected) {
-    if (root != nullptr && !suspected && !options_.folds.always)
+    const bool any_place = options_.folds.always || strain_blur() >= fold_suspected_below;
+    if (root != nullptr && !suspected && !any_place)
         return std::nullopt;
     const double sideways = std::max(options_.choppiness.x, options_.choppiness.y);
     RecycledVector<double> reach_m;

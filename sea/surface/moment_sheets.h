@@ -9,7 +9,7 @@
 // folded_share()).
 //
 // Of waves that were rounded (InverseOptions::blur) Newton solves a sum that is off itself: where that leaves another sheet open
-// it stays so.
+// it stays so. Where rounding alone may squeeze as much as makes Newton suspect a fold, every point is searched.
 //
 // For one point; not thread-safe. Cost: 0.2 to 5 ms where it searches, nothing elsewhere.
 #pragma once
