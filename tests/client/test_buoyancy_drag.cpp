@@ -131,7 +131,7 @@ TEST(Buoyancy, a_hull_that_drifts_with_the_water_keeps_its_course) {
     }
 }
 
-// Found by a stranger: 50 m/s from a fall of 1.5 m.
+// It got 50 m/s from a fall of 1.5 m.
 TEST(Buoyancy, a_box_with_added_mass_that_was_dropped_askew_gets_no_faster_whatever_the_step) {
     for (const double step_s : {1.0 / 240, 1.0 / 60, 0.1, 1.0})
         for (const double drag : {0.0, 1.0, 10.0}) {
