@@ -221,12 +221,6 @@ static inline const char* seaway_hull_fault(const seaway_hull* hull) {
     return NULL;
 }
 
-/* One part of a step: the momenta first, by the forces where the body is, then the places by the new velocities, which
- * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. A body with
- * added mass is heavier along some of its axes: its momentum beside the water lasts while it turns, not its velocity, and pulls it around
- * (Munk's moment, without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
- * divided by 1 + twice what it would do within the part, since off the centre what it does along and around may add up: it slows, and
- * never reverses. A weight that drag alone bears sinks faster by that: short steps are right. */
 /* How fast the body moves beside the water around its wet parts; in the air, beside still air. */
 static inline void seaway_beside_water(const seaway_body* body, const seaway_load* load,
                                        double beside_mps[3]) {
@@ -240,6 +234,12 @@ static inline void seaway_beside_water(const seaway_body* body, const seaway_loa
         beside_mps[i] = -(load->flow_m3ps[i] + turned[i]) / load->wetted_m2;
 }
 
+/* One part of a step: the momenta first, by the forces where the body is, then the places by the new velocities, which
+ * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. A body with
+ * added mass is heavier along some of its axes: its momentum beside the water lasts while it turns, not its velocity, and pulls it around
+ * (Munk's moment, without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
+ * divided by 1 + twice what it would do within the part, since off the centre what it does along and around may add up: it slows, and
+ * never reverses. A weight that drag alone bears sinks faster by that: short steps are right. */
 static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const seaway_load* load,
                                double part_s) {
     double mass[3], lighter[3], lazier[3], inertia[3], rows[3][3], turn[3], half[4];

@@ -45,16 +45,15 @@ std::vector<Line> lines_of(const std::string& text) {
 std::vector<SceneDifference> scene_differences(const std::string& before,
                                                const std::string& after) {
     const std::vector<Line> old = lines_of(before), now = lines_of(after);
-    std::multiset<std::pair<std::string, std::string>> same;
+    std::multiset<std::pair<std::string, std::string>> fresh; // what was not there before
     for (const Line& line : now)
-        same.emplace(line.path, line.value);
+        fresh.emplace(line.path, line.value);
     std::map<std::string, std::deque<const Line*>> gone; // in the order of the text
     for (const Line& line : old)
-        if (const auto kept = same.find({line.path, line.value}); kept != same.end())
-            same.erase(kept);
+        if (const auto kept = fresh.find({line.path, line.value}); kept != fresh.end())
+            fresh.erase(kept);
         else
             gone[line.path].push_back(&line);
-    std::multiset<std::pair<std::string, std::string>>& fresh = same; // what is left of it
     std::vector<SceneDifference> differences;
     for (const Line& line : now) {
         const auto one = fresh.find({line.path, line.value});

@@ -175,14 +175,13 @@ class Block {
         if (phase_ == Phase::newton && (count_ == steps_max || !any_of(going_)))
             begin(task_.rates ? Phase::rates : Phase::done);
         // Where Newton goes on to, points are in their cells already; rates lie beside what has been mixed.
-        fetched_ = phase_ == Phase::newton ? count_ > 0 : phase_ == Phase::rates && !mixed_already;
+        fetched_ = phase_ == Phase::done || (phase_ == Phase::newton && count_ > 0) ||
+                   (phase_ == Phase::rates && !mixed_already);
         if (phase_ == Phase::cascades)
             look(count_);
         if (phase_ == Phase::newton)
             for (int t = 0; t < task_.tile_count; ++t)
                 look(t);
-        if (phase_ == Phase::done)
-            fetched_ = true;
     }
     SEAWAY_INLINE void begin(Phase phase) {
         phase_ = phase;

@@ -65,6 +65,11 @@ SEAWAY_INLINE void weigh_first(float fraction_x, float fraction_y, float texels_
     }
 }
 
+SEAWAY_INLINE F4 halves_of(const F8& two) {
+    return __builtin_shufflevector(two, two, 0, 1, 2, 3) +
+           __builtin_shufflevector(two, two, 4, 5, 6, 7);
+}
+
 /// Four texels in a row, in vectors of W floats.
 template <int W>
 struct Row;
@@ -86,10 +91,8 @@ struct Row<16> {
     }
     /// All four added up, as (0 + 2) + (1 + 3), by channel.
     SEAWAY_INLINE F4 together() const {
-        const F8 both = __builtin_shufflevector(part[0], part[0], 0, 1, 2, 3, 4, 5, 6, 7) +
-                        __builtin_shufflevector(part[0], part[0], 8, 9, 10, 11, 12, 13, 14, 15);
-        return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
-               __builtin_shufflevector(both, both, 4, 5, 6, 7);
+        return halves_of(__builtin_shufflevector(part[0], part[0], 0, 1, 2, 3, 4, 5, 6, 7) +
+                         __builtin_shufflevector(part[0], part[0], 8, 9, 10, 11, 12, 13, 14, 15));
     }
 };
 template <>
@@ -105,11 +108,7 @@ struct Row<8> {
         return {{__builtin_shufflevector(w, w, 4, 4, 4, 4, 5, 5, 5, 5),
                  __builtin_shufflevector(w, w, 6, 6, 6, 6, 7, 7, 7, 7)}};
     }
-    SEAWAY_INLINE F4 together() const {
-        const F8 both = part[0] + part[1];
-        return __builtin_shufflevector(both, both, 0, 1, 2, 3) +
-               __builtin_shufflevector(both, both, 4, 5, 6, 7);
-    }
+    SEAWAY_INLINE F4 together() const { return halves_of(part[0] + part[1]); }
 };
 template <>
 struct Row<4> {

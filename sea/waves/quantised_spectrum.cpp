@@ -314,9 +314,9 @@ class Quantiser {
     void fill(QuantisedSpectrum& result) const {
         Layers made = layers(result.steps);
         // The second layer begins where the first has left it, and may end on the other side of what is wanted.
-        for (int n = 0; n < tries && share_of_wanted(made.left) > 1.0; ++n) {
-            const double finer_m =
-                0.99 / std::sqrt(share_of_wanted(made.left)) * result.steps.step_m;
+        double share = 0;
+        for (int n = 0; n < tries && (share = share_of_wanted(made.left)) > 1.0; ++n) {
+            const double finer_m = 0.99 / std::sqrt(share) * result.steps.step_m;
             if (finer_m < finest_m())
                 break;
             result.steps.step_m = finer_m;

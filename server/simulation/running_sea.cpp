@@ -69,9 +69,9 @@ RunningSeaPtr make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
 
 Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, std::uint32_t epoch,
                                  sea::TimeUs start_us, sea::TimeUs end_us) {
-    SEAWAY_TRY_LET(
-        sea::SeaTransition change,
-        sea::SeaTransition::create(from.waves_at(start_us), to.realization, start_us, end_us));
+    const sea::RealizationPtr then = from.waves_at(start_us);
+    SEAWAY_TRY_LET(sea::SeaTransition change,
+                   sea::SeaTransition::create(then, to.realization, start_us, end_us));
     auto glide = std::make_shared<SeaGlide>(
         SeaGlide{std::move(change), from.choppiness_at(start_us), 0.0, 0.0, nullptr});
     const sea::FoamLawPtr foam = from.foam_law_at(start_us);
@@ -89,7 +89,7 @@ Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, s
     };
     budget.displacement_follows =
         budget.displacement_follows &&
-        std::ranges::equal(from.waves_at(start_us)->cascades, to.realization->cascades, deep_as);
+        std::ranges::equal(then->cascades, to.realization->cascades, deep_as);
     return std::make_shared<const RunningSea>(
         RunningSea{epoch, to.scene, glide->change.after(), std::move(budget), to.offered,
                    to.summary, to.truth, to.foam_law, to.certificate, std::move(glide)});

@@ -28,6 +28,11 @@ inline std::vector<std::string> arguments(const std::string& data_dir) {
             "--data-dir",       data_dir,   "--admin-token-file", token_file()};
 }
 
+/// Of a server that serves this text natively.
+inline std::vector<std::string> natively(const std::string& name, const std::string& scene) {
+    return {tests::folder().write(name, scene), "--listen", "127.0.0.1:0", "--device", "native"};
+}
+
 inline std::unique_ptr<client::Client> connect(const std::string& url) {
     client::ConnectOptions options;
     options.url = url;

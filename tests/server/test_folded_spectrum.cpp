@@ -36,8 +36,7 @@ height_error_m = 0.03
 // Naive: Newton decides which sheets there are, of a sum that is itself off by centimetres: where a sheet is about to appear the wrong
 // one was answered, 0.4 m off with a bound of 5 cm and no flag. Two of the points are such places.
 TEST(FoldedSpectrum, says_where_rounding_may_hide_a_sheet) {
-    tests::ServerProcess server({tests::folder().write("shallows.toml", shallows), "--listen",
-                                 "127.0.0.1:0", "--device", "native"});
+    tests::ServerProcess server(natively("shallows.toml", shallows));
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
     const auto client = connect(url);

@@ -54,8 +54,7 @@ set.sea.depth_m = 8.0
 
 class OtherSeas : public testing::Test {
   protected:
-    tests::ServerProcess server{{tests::folder().write("four_seas.toml", four_seas), "--listen",
-                                 "127.0.0.1:0", "--device", "native"}};
+    tests::ServerProcess server{natively("four_seas.toml", four_seas)};
     std::string url;
 
     void SetUp() override {
@@ -193,8 +192,7 @@ TEST(RowsWithoutPauses, leave_who_has_waves_with_waves_and_newcomers_too) {
         scene += fmt::format("[[weather]]\nat_s = {}.0\nover_s = 10.0\n"
                              "set.sea.system.0.wind_speed_10m_mps = {}.0\n",
                              -65 + 10 * row, 7 + row % 2);
-    tests::ServerProcess server({tests::folder().write("rows.toml", scene), "--listen",
-                                 "127.0.0.1:0", "--device", "native"});
+    tests::ServerProcess server(natively("rows.toml", scene));
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
     const auto client = connect(url);
