@@ -2,13 +2,13 @@
 #include "sea/surface/inverse.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "sea/basics/constants.h"
 #include "sea/surface/moment_sheets.h"
+#include "sea/surface/steepness.h"
 
 namespace seaway::sea {
 
@@ -86,11 +86,6 @@ class Solver {
     double jacobian_min_ = std::numeric_limits<double>::infinity();
 };
 
-double capped_slope(double horizontal, double vertical) {
-    constexpr double slope_max = 10.0;
-    return horizontal < slope_max * vertical ? horizontal / vertical : slope_max;
-}
-
 /// Sheets that solve the equation this far apart are two.
 constexpr double sheets_apart_m = 1e-3;
 
@@ -100,15 +95,9 @@ constexpr double start_tolerance_m = 1e-4;
 /// sheet the highest that is not.
 constexpr double compared_tolerance_m = 3e-6;
 
-/// Normal to the surface, not normalised: tangent d/dX x tangent d/dY. Its z is J.
-std::array<double, 3> normal_of(const LagrangianPoint& p, const Choppiness& l) {
-    return {l.y * p.strain_xy * p.slope_y - (1.0 + l.y * p.strain_yy) * p.slope_x,
-            l.x * p.strain_xy * p.slope_x - (1.0 + l.x * p.strain_xx) * p.slope_y, jacobian(p, l)};
-}
-
 double slope_of(const LagrangianPoint& p, const Choppiness& l) {
-    const std::array<double, 3> normal = normal_of(p, l);
-    return capped_slope(std::hypot(normal[0], normal[1]), std::abs(normal[2]));
+    const Normal<double> normal = normal_of(gradients_of(p), l);
+    return slope_of(Normal<double>{normal.x, normal.y, std::abs(normal.z)});
 }
 
 struct Highest {
@@ -187,21 +176,16 @@ double folded_share(double squeeze) {
 }
 
 double jacobian(const LagrangianPoint& point, const Choppiness& choppiness) {
-    return (1.0 + choppiness.x * point.strain_xx) * (1.0 + choppiness.y * point.strain_yy) -
-           choppiness.x * choppiness.y * point.strain_xy * point.strain_xy;
+    return jacobian(gradients_of(point), choppiness);
 }
 
 Answer answer_of(const LagrangianPoint& p, const Choppiness& choppiness) {
-    const std::array<double, 3> normal = normal_of(p, choppiness);
-    // On the underside of a fold it points down and is turned up.
-    const double length =
-        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    const double scale = length > 0 ? (normal[2] < 0 ? -1.0 : 1.0) / length : 0.0;
+    const Normal<double> normal = upright(normal_of(gradients_of(p), choppiness));
     Answer answer;
     answer.height_m = p.height;
-    if (length > 0)
-        for (std::size_t i = 0; i < 3; ++i)
-            answer.normal[i] = normal[i] * scale;
+    answer.normal[0] = normal.x;
+    answer.normal[1] = normal.y;
+    answer.normal[2] = normal.z;
     answer.velocity_mps[0] = p.displacement_x_rate; // the water's: choppiness is the picture's
     answer.velocity_mps[1] = p.displacement_y_rate;
     answer.velocity_mps[2] = p.height_rate;
@@ -210,7 +194,7 @@ Answer answer_of(const LagrangianPoint& p, const Choppiness& choppiness) {
 
 double surface_slope(const Answer& answer) {
     const double* n = answer.normal;
-    return capped_slope(std::sqrt(n[0] * n[0] + n[1] * n[1]), n[2]);
+    return slope_of(Normal<double>{n[0], n[1], n[2]});
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,

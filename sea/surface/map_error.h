@@ -25,8 +25,9 @@ inline constexpr double bound_sigmas = 5.0;
 inline constexpr double fold_sigmas = 6.0;
 
 /// 16 s^2 (1-s)^2: 0 at the ends of a cell, where maps and keyframes are right, 1 in its middle.
-inline double between_samples(double s) {
-    const double u = 4.0 * s * (1.0 - s);
+template <class Real>
+[[gnu::always_inline]] inline Real between_samples(const Real& s) {
+    const Real u = 4.0 * s * (1.0 - s);
     return u * u;
 }
 
@@ -73,7 +74,7 @@ struct MapLoss {
     double variance_m2(double share, double east, double north, const HermiteWeights& w) const {
         return at(share, w).variance_m2(east, north);
     }
-    /// The same of one time, for many places.
+    /// The same of one time, for many places. Real: double, or a vector of them, of several places side by side.
     struct AtTime {
         double time_m2;
         double cut_m2;
@@ -81,14 +82,16 @@ struct MapLoss {
         double north_m2;
         double coded_m2;
         double coded_relief;
-        double variance_m2(double east, double north) const {
+        template <class Real>
+        [[gnu::always_inline]] Real variance_m2(const Real& east, const Real& north) const {
             return time_m2 + cut_m2 + east_m2 * east + north_m2 * north +
                    coded_variance_m2(east, north);
         }
         double space_variance_m2(double east, double north) const {
             return cut_m2 + east_m2 * east + north_m2 * north;
         }
-        double coded_variance_m2(double east, double north) const {
+        template <class Real>
+        [[gnu::always_inline]] Real coded_variance_m2(const Real& east, const Real& north) const {
             return coded_m2 * (1.0 - coded_relief * east) * (1.0 - coded_relief * north);
         }
     };

@@ -9,7 +9,8 @@
 #include <utility>
 
 #include "sea/surface/maps/hermite.h"
-#include "sea/surface/surface_sheets.h"
+#include "sea/surface/steepness.h"
+#include "sea/surface/surface_at_time.h"
 
 namespace seaway::sea {
 
@@ -43,6 +44,37 @@ void add(LagrangianPoint& sum, const HermiteWeights& weights, const SplineSample
 std::uint64_t next_number() {
     static std::atomic<std::uint64_t> last = 0;
     return ++last;
+}
+
+/// What is solved together.
+struct Batch {
+    std::array<PointBlock, 2> blocks;
+    std::array<std::size_t, answered_at_once> point_of; ///< by place in the blocks
+    std::size_t count = 0;
+
+    void add(std::size_t which, const QueryPoint& point, const PointWeights* weights,
+             const PointMemory& last, double reach_m) {
+        PointBlock& block = blocks[count / PointBlock::size];
+        const std::size_t lane = count % PointBlock::size;
+        block.x_m[lane] = point.x_m;
+        block.y_m[lane] = point.y_m;
+        block.weights[lane] = weights;
+        // Where no point comes from nothing is looked up: not a number is further than that, too.
+        block.warm[lane] = last.known && std::hypot(last.shift_x_m, last.shift_y_m) <= reach_m;
+        block.shift_x_m[lane] = last.shift_x_m;
+        block.shift_y_m[lane] = last.shift_y_m;
+        block.count = static_cast<int>(lane) + 1;
+        point_of[count++] = which;
+    }
+    const PointBlock& block_of(std::size_t k) const { return blocks[k / PointBlock::size]; }
+};
+
+/// By linear theory the water's own: choppiness moves the picture's points.
+void put_velocity(const PointBlock& points, std::size_t p, Answer& answer) {
+    using namespace spline_channel;
+    answer.velocity_mps[0] = static_cast<double>(points.rate[p][displacement_x]);
+    answer.velocity_mps[1] = static_cast<double>(points.rate[p][displacement_y]);
+    answer.velocity_mps[2] = static_cast<double>(points.rate[p][height]);
 }
 
 double interval_s(const SplinePair& pair) {
@@ -88,43 +120,29 @@ double Surface::height_bound_m(double slope) const {
                                   [&](std::size_t c) { return interval_s(pairs_[c]); });
 }
 
-/// What all answers of one time have in common.
-struct Surface::AtTime {
-    TimeUs time_us;
-    SurfaceSheets sheets;
-    std::array<PointWeights, surface_pairs_max> weights;
-    struct Loss {
-        MapLoss::AtTime height;
-        MapLoss::AtTime displacement;
-        double cells_a_metre;
-    };
-    std::array<Loss, surface_pairs_max> losses;
-    std::uint32_t flags;
-
-    AtTime(const Surface& surface, TimeUs time)
-        : time_us(time), sheets(surface, time), flags(surface.lasting_flags(time)) {
-        for (std::size_t c = 0; c < surface.pairs_.size(); ++c) {
-            const HermiteWeights& w = sheets.weights(c);
-            for (int i = 0; i < 4; ++i) {
-                weights[c].value[i] = static_cast<float>(w.value[i]);
-                weights[c].rate[i] = static_cast<float>(w.rate[i]);
-            }
-        }
-        for (std::size_t c = 0; c < surface.error_.cascades.size(); ++c) {
-            const SplinePair& pair = surface.pairs_[c];
-            const double interval = interval_s(pair);
-            const double since = seconds_from_us(time - pair.before->time_us());
-            // Of one map alone the interval is not known, but how long it runs on.
-            double share = since == 0 ? 0.0 : 1 + std::abs(since) / hermite_beyond_alone_s;
-            if (interval > 0)
-                share = since / interval;
-            const CascadeLoss& loss = surface.error_.cascades[c];
-            losses[c] = {loss.height.at(share, sheets.weights(c)),
-                         loss.displacement.at(share, sheets.weights(c)),
-                         pair.before->size() / pair.before->length_m()};
+Surface::AtTime::AtTime(const Surface& surface, TimeUs time)
+    : time_us(time), sheets(surface, time), flags(surface.lasting_flags(time)) {
+    for (std::size_t c = 0; c < surface.pairs_.size(); ++c) {
+        const HermiteWeights& w = sheets.weights(c);
+        for (int i = 0; i < 4; ++i) {
+            weights[c].value[i] = static_cast<float>(w.value[i]);
+            weights[c].rate[i] = static_cast<float>(w.rate[i]);
         }
     }
-};
+    for (std::size_t c = 0; c < surface.error_.cascades.size(); ++c) {
+        const SplinePair& pair = surface.pairs_[c];
+        const double interval = interval_s(pair);
+        const double since = seconds_from_us(time - pair.before->time_us());
+        // Of one map alone the interval is not known, but how long it runs on.
+        double share = since == 0 ? 0.0 : 1 + std::abs(since) / hermite_beyond_alone_s;
+        if (interval > 0)
+            share = since / interval;
+        const CascadeLoss& loss = surface.error_.cascades[c];
+        losses[c] = {loss.height.at(share, sheets.weights(c)),
+                     loss.displacement.at(share, sheets.weights(c)),
+                     pair.before->size() / pair.before->length_m()};
+    }
+}
 
 /// The last few times, made when they are first asked for. One more than a block has, so that the last one of a block is
 /// there for the next.
@@ -164,40 +182,6 @@ class Surface::TimesOfBlock {
 std::uint32_t Surface::lasting_flags(TimeUs time_us) const {
     return (covers(time_us) ? 0u : answer_extrapolated) |
            (moves_sideways_ ? 0u : answer_vertical_velocity);
-}
-
-template <class BetweenOf>
-double Surface::height_bound_m(BetweenOf between, const AtTime& then, double slope) const {
-    const double sideways = slope * sideways_;
-    double variance_m2 = 0;
-    for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
-        const AtTime::Loss& loss = then.losses[c];
-        const Between here = between(c);
-        variance_m2 += loss.height.variance_m2(here.east, here.north) +
-                       sideways * sideways * loss.displacement.variance_m2(here.east, here.north);
-    }
-    return bound_sigmas * std::sqrt(variance_m2) + error_.height_bound_m +
-           sideways * error_.displacement_bound_m;
-}
-
-template <class BetweenOf>
-ErrorTerms Surface::terms_of(BetweenOf between, const AtTime& then, double slope) const {
-    const double sideways = slope * sideways_;
-    double time_m2 = 0, space_m2 = 0, coded_m2 = 0;
-    for (std::size_t c = 0; c < error_.cascades.size(); ++c) {
-        const MapLoss::AtTime &height = then.losses[c].height, &moved = then.losses[c].displacement;
-        const Between here = between(c);
-        const double moved2 = sideways * sideways;
-        time_m2 += height.time_m2 + moved2 * moved.time_m2;
-        space_m2 += height.space_variance_m2(here.east, here.north) +
-                    moved2 * moved.space_variance_m2(here.east, here.north);
-        coded_m2 += height.coded_variance_m2(here.east, here.north) +
-                    moved2 * moved.coded_variance_m2(here.east, here.north);
-    }
-    return {.codec_m = bound_sigmas * std::sqrt(coded_m2),
-            .time_m = bound_sigmas * std::sqrt(time_m2),
-            .space_m = bound_sigmas * std::sqrt(space_m2),
-            .rounding_m = error_.height_bound_m + sideways * error_.displacement_bound_m};
 }
 
 LagrangianPoint Surface::at(double x_m, double y_m, TimeUs time_us) const {
@@ -243,47 +227,15 @@ Answer Surface::careful(const QueryPoint& point, const AtTime& then, ErrorTerms*
             const double cells = place_m * cells_a_metre;
             return between_samples(cells - std::floor(cells));
         };
-        return Between{along(lagrangian.x), along(lagrangian.y)};
+        return Between<double>{along(lagrangian.x), along(lagrangian.y)};
     };
-    const double slope = surface_slope(answer);
+    const double sideways = surface_slope(answer) * sideways_;
     if (terms != nullptr) {
-        *terms = terms_of(between, then, slope);
+        *terms = terms_of(between, then, sideways);
         terms->inverse_m = answer.error_m;
     }
-    answer.error_m += height_bound_m(between, then, slope);
+    answer.error_m += height_bound_m<double>(between, then, sideways);
     answer.flags |= then.flags;
-    return answer;
-}
-
-Answer Surface::gentle(const PointBlock& points, std::size_t p, const AtTime& then,
-                       AnswerParts parts, ErrorTerms* terms) const {
-    using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y;
-    const auto of = [](float value) { return static_cast<double>(value); };
-    LagrangianPoint point;
-    point.height = of(points.value[p][height]);
-    point.slope_x = of(points.d_dx[p][height]);
-    point.slope_y = of(points.d_dy[p][height]);
-    point.strain_xx = of(points.d_dx[p][displacement_x]);
-    point.strain_yy = of(points.d_dy[p][displacement_y]);
-    point.strain_xy =
-        0.5 * (of(points.d_dy[p][displacement_x]) + of(points.d_dx[p][displacement_y]));
-    if (parts == AnswerParts::all) {
-        point.height_rate = of(points.rate[p][height]);
-        point.displacement_x_rate = of(points.rate[p][displacement_x]);
-        point.displacement_y_rate = of(points.rate[p][displacement_y]);
-    }
-    Answer answer = answer_of(point, choppiness_);
-    const double slope = surface_slope(answer);
-    const auto between = [&](std::size_t c) {
-        return Between{between_samples(of(points.fraction_x[c][p])),
-                       between_samples(of(points.fraction_y[c][p]))};
-    };
-    answer.error_m = points.residual_m[p] * slope + height_bound_m(between, then, slope);
-    if (terms != nullptr) {
-        *terms = terms_of(between, then, slope);
-        terms->inverse_m = points.residual_m[p] * slope;
-    }
-    answer.flags = then.flags;
     return answer;
 }
 
@@ -292,53 +244,50 @@ void Surface::answer_block(std::span<const QueryPoint> points, std::span<Answer>
                            std::span<const PointTile> tiles,
                            std::span<const AtTime* const> then) const {
     const auto terms = [&](std::size_t i) { return how.terms.empty() ? nullptr : &how.terms[i]; };
-    std::array<PointBlock, 2> blocks;
-    std::array<std::size_t, answered_at_once> point_of;
-    std::size_t count = 0;
+    const double reach_m = 2 * folds_.reach_m;
+    Batch batch;
+    std::array<const AtTime*, answered_at_once> then_of;
+    std::array<Answer*, answered_at_once> answer_of;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const QueryPoint& point = points[i];
         if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m) || tiles_.empty()) {
             answers[i] = careful(point, *then[i], terms(i));
             continue;
         }
-        PointBlock& block = blocks[count / PointBlock::size];
-        const std::size_t lane = count % PointBlock::size;
-        block.x_m[lane] = point.x_m;
-        block.y_m[lane] = point.y_m;
-        block.weights[lane] = then[i]->weights.data();
-        const PointMemory last = how.memory.empty() ? PointMemory{} : how.memory[i];
-        // Where no point comes from nothing is looked up: not a number is further than that, too.
-        block.warm[lane] =
-            last.known && std::hypot(last.shift_x_m, last.shift_y_m) <= 2 * folds_.reach_m;
-        block.shift_x_m[lane] = last.shift_x_m;
-        block.shift_y_m[lane] = last.shift_y_m;
-        point_of[count++] = i;
+        then_of[batch.count] = then[i];
+        answer_of[batch.count] = &answers[i];
+        batch.add(i, point, then[i]->weights.data(),
+                  how.memory.empty() ? PointMemory{} : how.memory[i], reach_m);
     }
-    if (count == 0)
+    if (batch.count == 0)
         return;
-    blocks[0].count = static_cast<int>(std::min<std::size_t>(count, PointBlock::size));
-    blocks[1].count = static_cast<int>(count) - blocks[0].count;
     kernel.solve({tiles.data(), static_cast<int>(tiles.size()), choppiness_.x, choppiness_.y,
-                  tolerance_m_, 2 * folds_.reach_m, how.parts == AnswerParts::all},
-                 blocks[0], blocks[1].count > 0 ? &blocks[1] : nullptr);
+                  tolerance_m_, reach_m, how.parts == AnswerParts::all},
+                 batch.blocks[0], batch.blocks[1].count > 0 ? &batch.blocks[1] : nullptr);
     std::array<SurfaceSheets::Cells, answered_at_once> cells;
-    for (std::size_t k = 0; k < count; ++k) {
-        const PointBlock& block = blocks[k / PointBlock::size];
+    for (std::size_t k = 0; k < batch.count; ++k) {
+        const PointBlock& block = batch.block_of(k);
         const std::size_t p = k % PointBlock::size;
         for (std::size_t c = 0; c < tiles_.size(); ++c)
             cells[k][c] = {block.cell_x[c][p], block.cell_y[c][p]};
         if (block.solved[p])
-            then[point_of[k]]->sheets.fetch(cells[k]);
+            then_of[k]->sheets.fetch(cells[k]);
     }
-    for (std::size_t k = 0; k < count; ++k) {
-        const PointBlock& block = blocks[k / PointBlock::size];
+    for (std::size_t b = 0; b < batch.blocks.size(); ++b)
+        gentle(batch.blocks[b], &then_of[b * PointBlock::size], &answer_of[b * PointBlock::size]);
+    for (std::size_t k = 0; k < batch.count; ++k) {
+        const PointBlock& block = batch.block_of(k);
         const std::size_t p = k % PointBlock::size;
-        const std::size_t i = point_of[k];
+        const std::size_t i = batch.point_of[k];
         const Vec2 target{points[i].x_m, points[i].y_m};
         const Vec2 root{target.x + block.shift_x_m[p], target.y + block.shift_y_m[p]};
-        const bool settled = block.solved[p] && then[i]->sheets.single(target, root, cells[k]);
-        answers[i] = settled ? gentle(block, p, *then[i], how.parts, terms(i))
-                             : careful(points[i], *then[i], terms(i));
+        const bool settled = block.solved[p] && then_of[k]->sheets.single(target, root, cells[k]);
+        if (!settled)
+            answers[i] = careful(points[i], *then_of[k], terms(i));
+        else if (how.parts == AnswerParts::all)
+            put_velocity(block, p, answers[i]);
+        if (settled && terms(i) != nullptr)
+            *terms(i) = gentle_terms(block, p, *then_of[k], answers[i]);
         if (!how.memory.empty())
             how.memory[i] = {block.shift_x_m[p], block.shift_y_m[p], settled};
         if (how.parts == AnswerParts::height)

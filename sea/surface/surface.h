@@ -89,20 +89,23 @@ class Surface {
     struct AtTime;
     class TimesOfBlock;
     /// between_samples() of a place on the grid of a cascade.
+    template <class Real>
     struct Between {
-        double east;
-        double north;
+        Real east;
+        Real north;
     };
-    /// Bound on a height at a place that is `between(cascade)` its samples.
+    template <class Real, class BetweenOf>
+    Real height_bound_m(const BetweenOf& between, const AtTime& then, const Real& sideways) const;
     template <class BetweenOf>
-    double height_bound_m(BetweenOf between, const AtTime& then, double slope) const;
-    /// The same in parts, but for what the inverse leaves.
-    template <class BetweenOf>
-    ErrorTerms terms_of(BetweenOf between, const AtTime& then, double slope) const;
+    ErrorTerms terms_of(const BetweenOf& between, const AtTime& then, double sideways) const;
     /// `terms`: filled in, or null.
     Answer careful(const QueryPoint& point, const AtTime& then, ErrorTerms* terms) const;
-    Answer gentle(const PointBlock& points, std::size_t p, const AtTime& then, AnswerParts parts,
-                  ErrorTerms* terms) const;
+    /// Of those that were solved, but for velocities; `then` and `to`: one a point.
+    void gentle(const PointBlock& points, const AtTime* const* then, Answer* const* to) const;
+    template <class Some>
+    void tell(const Some& some, const AtTime& then, Answer* const* to) const;
+    ErrorTerms gentle_terms(const PointBlock& points, std::size_t p, const AtTime& then,
+                            const Answer& answer) const;
     /// PointBlock::size points at most, whose times are `then`.
     void answer_block(std::span<const QueryPoint> points, std::span<Answer> answers,
                       const Answering& how, const PointKernel& kernel,

@@ -103,8 +103,13 @@ template <class Of>
 double SurfaceSheets::less_than(double radius_m, Of of) const {
     const std::size_t count = surface_.pairs().size();
     double others_m = blur_m_;
-    for (std::size_t c = 0; c < count; ++c)
+    double least = 1;
+    for (std::size_t c = 0; c < count; ++c) {
         others_m += of(c).range_m;
+        least += of(c).stretch;
+    }
+    if (least > strain_blur_)
+        return 0;
     double less_m = std::min(radius_m, others_m);
     double smallest = 1;
     for (std::size_t c = 0; c < count; ++c) {
@@ -113,7 +118,7 @@ double SurfaceSheets::less_than(double radius_m, Of of) const {
         if (smallest > 0)
             less_m = std::min(less_m, others_m / smallest);
     }
-    return smallest > strain_blur_ ? 0 : less_m;
+    return less_m;
 }
 
 double SurfaceSheets::radius_around(const Cells& cells) const {
