@@ -16,8 +16,8 @@
 
 namespace seaway {
 
-/// A batch of 50 000 answers fits in what is kept, beside what a search takes.
-inline constexpr std::size_t recycled_bytes_max = std::size_t{8} << 20;
+/// A batch of 50 000 answers fits in what is kept with the terms of each, beside what a search takes.
+inline constexpr std::size_t recycled_bytes_max = std::size_t{16} << 20;
 
 namespace recycled {
 

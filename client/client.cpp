@@ -326,6 +326,7 @@ Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) c
 }
 
 Result<void> Client::rebuild(TimeUs time_us) {
+    SEAWAY_TRY(check_time(time_us));
     const SeaStatePtr state = sea_state(time_us);
     SEAWAY_TRY_LET(const RebuiltSeaPtr made, rebuild_from_scene(*state));
     const std::scoped_lock lock(mutex_);
@@ -373,7 +374,6 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
                                  std::span<const QueryPoint> points, std::span<Answer> answers,
                                  const Sampling& how) const {
     HeldSurfaces::Lent surface;
-    bool beyond_held = false;
     for (std::size_t first = 0; first < points.size();) {
         const TimeUs time_us = points[first].time_us;
         SeaThen then = sea_then(time_us);
@@ -405,15 +405,11 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
         } else
             surface->surface.answer(asked, answered, some);
         const bool beyond = !then.waves && !surface->covers;
-        beyond_held |= beyond;
         for (std::size_t i = 0; i < asked.size(); ++i)
             if (beyond || late || !then.known.has(asked[i].time_us))
                 answered[i].flags |= sea::answer_extrapolated;
     }
-    if (!mark_stale(beyond_held, points, answers, how.terms))
-        return failed(
-            Failure::not_held,
-            "the connection is lost, and the keyframes that are held end before that time");
+    mark_stale(points, answers, how.terms);
     return {};
 }
 

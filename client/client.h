@@ -38,6 +38,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/fair_mutex.h"
 #include "base/result.h"
 #include "client/held/keyframe_ring.h"
 #include "client/held_surfaces.h"
@@ -273,6 +274,7 @@ class Client {
     Result<Reply> reply_of(Waiter& waiter);
     /// One turn of work, until then at most.
     void work(std::chrono::steady_clock::time_point until);
+    void work_held(std::chrono::steady_clock::time_point until); ///< working_ held
     /// working_ held. One step on the way back, if there is one to take.
     void keep_turn();
     void lose(std::unique_lock<std::mutex>& lock, const Error& why);
@@ -288,10 +290,9 @@ class Client {
     bool silent(LocalUs now_us) const;
     KnownSea known_held(const SeaState& state) const; ///< mutex_ held
     KnownSea known_sea(sea::TimeUs time_us) const;    ///< read before answers are made
-    /// Flags what the server may know more about. False: an answer is of no keyframes, and no server is there to send some.
-    /// `beyond_held`: some answers are of keyframes that end before their times.
-    bool mark_stale(bool beyond_held, std::span<const sea::QueryPoint> points,
-                    std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {},
+    /// Flags what the server may know more about.
+    void mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                    std::span<sea::ErrorTerms> terms = {},
                     std::span<double> moved_off_m = {}) const;
     /// The same of answers of a server that is not sure of its sea.
     void mark_unsure(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
@@ -434,7 +435,7 @@ class Client {
     std::thread keeper_;
 
     // Of a client without threads.
-    std::mutex working_; ///< of who does its work; before saying_ and mutex_
+    FairMutex working_; ///< of who does its work; before saying_ and mutex_
     std::unique_ptr<Readiness> readiness_;
     bool watching_ = false; ///< readiness_ knows the socket of the connection
     Turn turn_ = Turn::standing;

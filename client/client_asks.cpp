@@ -30,6 +30,8 @@ Result<Below> Client::ask_below(std::span<const QueryPoint> points, std::span<co
 
 Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<const double> z_m,
                               const Asking& asking) {
+    for (const QueryPoint& point : points)
+        SEAWAY_TRY(check_point(point));
     struct Progress {
         std::mutex mutex;
         std::condition_variable changed;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/quiet_thread.h"
 #include "client/link/failure.h"
 #include "client/wanted.h"
 
@@ -83,6 +84,7 @@ Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, C
                                       [&leaving = client->leaving_] { leaving.request_stop(); });
     if (const Result<void> opened = client->open_link(); !opened)
         return told(opened.error(), Failure::cannot_connect);
+    const QuietThreads quiet;
     if (!options.stays_lost && !options.threadless)
         client->keeper_ = std::thread([client = client.get()] { client->keep(); });
     return client;

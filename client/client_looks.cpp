@@ -113,7 +113,6 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
         SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<std::vector<Water>> {
         std::vector<Water> water(points.size());
-        bool beyond_held = false;
         for (std::size_t first = 0; first < points.size();) {
             std::size_t end = first + 1;
             while (end < points.size() && points[end].time_us == points[first].time_us)
@@ -121,8 +120,6 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
             const KnownSea known = known_sea(points[first].time_us);
             const std::span<Water> found = std::span(water).subspan(first, end - first);
             SEAWAY_TRY(look_at(points.subspan(first, end - first), looking, found));
-            for (const Water& one : found)
-                beyond_held |= (one.answer.flags & sea::answer_extrapolated) != 0;
             if (!known.has(points[first].time_us))
                 for (Water& one : found)
                     one.answer.flags |= sea::answer_extrapolated;
@@ -132,13 +129,13 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
         for (const Water& one : water)
             answers.push_back(one.answer);
         std::vector<double> moved_off_m(points.size(), 0.0);
-        if (!mark_stale(beyond_held, points, answers, {}, moved_off_m))
-            return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
-                                             "held end before that time");
+        mark_stale(points, answers, {}, moved_off_m);
         for (std::size_t i = 0; i < water.size(); ++i) {
             water[i].answer = answers[i];
             water[i].answer.flags |= water[i].foam_late ? sea::answer_foam_late : 0u;
             water[i].displacement_error_m += moved_off_m[i];
+            if (answers[i].flags & sea::answer_invalid)
+                water[i].displacement_error_m = std::nan("");
         }
         return water;
     });
@@ -176,7 +173,7 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
             });
             first = end;
         }
-        (void)mark_stale(false, points, found.answers); // waves go on without a server
+        mark_stale(points, found.answers);
         return found;
     });
 }
@@ -271,13 +268,10 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
             map.length_m = foam->before->keyframe().length_m;
         }
         sea::Answer marks;
-        const bool beyond_held = (held && !held->covers) || (foam && !foam->covers);
-        if (beyond_held || !known.has(time_us))
+        if ((held && !held->covers) || (foam && !foam->covers) || !known.has(time_us))
             marks.flags |= sea::answer_extrapolated;
         const sea::QueryPoint here{0, 0, time_us};
-        if (!mark_stale(beyond_held, {&here, 1}, {&marks, 1}))
-            return failed(Failure::not_held, "the connection is lost, and the keyframes that are "
-                                             "held end before that time");
+        mark_stale({&here, 1}, {&marks, 1});
         map.flags = marks.flags;
         fill(held ? &held->surface : nullptr, time_us, channels, foam, map);
         return map;

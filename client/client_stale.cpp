@@ -60,22 +60,16 @@ void Client::note_seen(std::span<const std::pair<TimeUs, SeaStatePtr>> seas) {
     }
 }
 
-bool Client::mark_stale(bool beyond_held, std::span<const sea::QueryPoint> points,
-                        std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms,
-                        std::span<double> moved_off_m) const {
+void Client::mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                        std::span<sea::ErrorTerms> terms, std::span<double> moved_off_m) const {
     std::array<Unheard, 2> unheard; // what was missed once, and the silence of now
-    bool nothing_comes = false;
     {
         const std::scoped_lock lock(mutex_);
         unheard[0] = missed_;
         if (silent(local_now_us()))
             unheard[1] = {heard_us_};
-        nothing_comes = resuming_ || joining_->end;
     }
-    if (nothing_comes && beyond_held)
-        return false;
     mark(unheard, points, answers, terms, moved_off_m);
-    return true;
 }
 
 void Client::mark_unsure(std::span<const sea::QueryPoint> points,

@@ -24,7 +24,9 @@ Result<Reply> Client::reply_of(Waiter& waiter) {
 }
 
 bool Client::work_until(steady_clock::time_point until, const std::function<bool()>& done) {
-    work(steady_clock::time_point::min());
+    // Where another thread is at work nobody has to wait for it to see what has come.
+    if (std::unique_lock working(working_, std::try_to_lock); working)
+        work_held(steady_clock::time_point::min());
     for (;;) {
         if (done())
             return true;
@@ -42,6 +44,10 @@ Result<int> Client::descriptor_with(int other) {
 
 void Client::work(steady_clock::time_point until) {
     const std::scoped_lock working(working_);
+    work_held(until);
+}
+
+void Client::work_held(steady_clock::time_point until) {
     readiness_->clear();
     keep_turn();
     const bool opening = turn_ == Turn::opening;

@@ -51,10 +51,13 @@ static int float_for(seaway_client* sea, double seconds) {
         const int64_t next_us = seaway_now_us(sea);
         /* A pause of the program is not made up for in one step. */
         const double step_s = fmin((double)(next_us - now_us) * 1e-6, 0.1);
-        if (seaway_hull_ride(&hull, &body, seaway_water_of_client, sea, now_us, step_s, points,
-                             water) != SEAWAY_OK)
-            return complain("a step");
+        const seaway_code code = seaway_hull_ride(&hull, &body, seaway_water_of_client, sea, now_us,
+                                                  step_s, points, water);
         now_us = next_us;
+        if (code == SEAWAY_NOT_HELD) /* no water yet, or it has just become another sea */
+            continue;
+        if (code != SEAWAY_OK)
+            return complain("a step");
         if (step % STEPS_A_SECOND == 0)
             printf("%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n", (double)now_us * 1e-6, water[0].height_m,
                    body.position_m[2], body.position_m[0], body.position_m[1], water[0].error_m);

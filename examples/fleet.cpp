@@ -72,23 +72,27 @@ double since_us(std::chrono::steady_clock::time_point then) {
 }
 
 /// One step of all; false: the water has no answer.
+/// Whether there was water to step in: none before the first of it has come, and for a moment where it becomes another sea.
 bool step(const seaway::Sea& sea, const seaway_sampling& how, const seaway_hull& hull,
           std::int64_t time_us, std::vector<seaway_body>& bodies, std::vector<seaway_point>& points,
           std::vector<seaway_answer>& answers, Times& times) {
     const auto begin = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < floats; ++i)
         seaway_hull_points(&hull, &bodies[i], time_us, &points[i * corners]);
-    if (seaway_sample_as(sea.handle(), &how, points.data(), points.size(), answers.data()) !=
-        SEAWAY_OK)
+    const seaway_code code =
+        seaway_sample_as(sea.handle(), &how, points.data(), points.size(), answers.data());
+    if (code == SEAWAY_NOT_HELD)
         return false;
+    if (code != SEAWAY_OK)
+        throw std::runtime_error(seaway_last_error());
     times.water_us.push_back(since_us(begin));
     const auto sampled = std::chrono::steady_clock::now();
-    bool fine = true;
     for (std::size_t i = 0; i < floats; ++i)
-        fine &= seaway_hull_step(&hull, &bodies[i], &points[i * corners], &answers[i * corners],
-                                 step_s) == SEAWAY_OK;
+        if (seaway_hull_step(&hull, &bodies[i], &points[i * corners], &answers[i * corners],
+                             step_s) != SEAWAY_OK)
+            throw std::runtime_error(seaway_last_error());
     times.motion_us.push_back(since_us(sampled));
-    return fine;
+    return true;
 }
 
 int run(const char* url, int steps) {
@@ -105,12 +109,15 @@ int run(const char* url, int steps) {
     const std::unique_ptr<seaway_probe, decltype(&seaway_close_probe)> probe(how.probe,
                                                                              &seaway_close_probe);
     Times times;
+    int without = 0;
     const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; i < steps; ++i) {
         std::this_thread::sleep_until(begin + i * std::chrono::duration<double>(step_s));
         if (!step(sea, how, hull, sea.now_us(), bodies, points, answers, times))
-            return std::fprintf(stderr, "fleet: %s\n", seaway_last_error()), 1;
+            ++without;
     }
+    if (times.water_us.empty())
+        return std::fprintf(stderr, "fleet: no water came\n"), 1;
     double off_m = 0;
     for (std::size_t i = 0; i < floats; ++i)
         off_m = std::max(off_m, std::abs(bodies[i].position_m[2] - answers[i * corners].height_m));

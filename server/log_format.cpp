@@ -14,6 +14,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/messages.h"
+#include "base/quiet_thread.h"
 
 namespace seaway::server {
 namespace {
@@ -103,13 +104,11 @@ void apply_format() {
         spdlog::set_pattern(std::string(iso_time) + " %l %v");
 }
 
-/// Its thread takes no signal: those of the process are main's.
 void log_on_its_own_thread() {
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    spdlog::init_thread_pool(lines_waiting_max, 1);
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    {
+        const QuietThreads quiet; // signals are main's
+        spdlog::init_thread_pool(lines_waiting_max, 1);
+    }
     spdlog::set_default_logger(std::make_shared<spdlog::async_logger>(
         log_name, std::make_shared<Sink>(), spdlog::thread_pool(),
         spdlog::async_overflow_policy::overrun_oldest));

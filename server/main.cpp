@@ -24,6 +24,7 @@
 #include "server/net/open_files.h"
 #include "server/net/server.h"
 #include "server/options.h"
+#include "server/progress.h"
 #include "server/resume.h"
 #include "server/sea_director.h"
 #include "server/service_manager.h"
@@ -123,10 +124,9 @@ std::chrono::milliseconds drain_of(const NetOptions& options) {
         std::chrono::duration<double>(options.drain_s));
 }
 
-/// The watchdog, while both the sea and its sockets come on.
-void pat(const ServiceManager& manager, const World& world, NetServer& net) {
-    if (world.health().live && net.silence() < stuck_after)
-        manager.alive();
+/// How often somebody looks whether the server comes on.
+std::chrono::microseconds look_every(const ServiceManager& manager) {
+    return std::min<std::chrono::microseconds>(manager.pat_every(), std::chrono::seconds(1));
 }
 
 /// A server that goes on leaves what there is no memory for.
@@ -234,10 +234,14 @@ int serve(const Options& options) {
     say_ready((*net)->url());
     const ServiceManager manager;
     manager.ready((*net)->url());
+    Progress progress;
+    const auto look = [&] {
+        if (progress.comes_on(world.health(), (*net)->silence()))
+            manager.alive();
+    };
     const bool asked =
         stop.wait([&] { or_leave("reload_refused", [&] { reload(**net, start_files); }); },
-                  manager.pat_every(),
-                  [&] { or_leave("watchdog_not_told", [&] { pat(manager, world, **net); }); });
+                  look_every(manager), [&] { or_leave("watchdog_not_told", look); });
     manager.stopping();
     deadline.begins();
     (*net)->stop();

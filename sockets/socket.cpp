@@ -14,6 +14,7 @@
 #include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
+#include <fcntl.h>
 #include <sys/sendfile.h>
 
 #include "base/check.h"
@@ -179,6 +180,16 @@ void Socket::expires_never() {
 void Socket::set_no_delay() {
     error_code ignored; // a socket that is gone already will say so when it is read
     streams_->tcp().socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+}
+
+void Socket::stay_with_this_process() {
+    ::fcntl(descriptor(), F_SETFD,
+            FD_CLOEXEC); // one that is gone already will say so when it is read
+}
+
+bool Socket::has_unread() const {
+    error_code gone;
+    return streams_->tcp().socket().available(gone) > 0;
 }
 
 void Socket::shutdown_send() {

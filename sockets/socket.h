@@ -113,6 +113,10 @@ class Socket {
     void part(std::chrono::milliseconds patience, std::function<void()> gone);
 
     void set_no_delay();
+    /// Programs that this one starts do not get it: they would keep the connection after this one has ended.
+    void stay_with_this_process();
+    /// Something has come that nobody has read yet.
+    bool has_unread() const;
     /// For poll and epoll alone; -1 before connect() and after close().
     int descriptor() const;
     /// No more is sent; what the peer still sends can be read.

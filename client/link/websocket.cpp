@@ -16,6 +16,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
+#include "base/quiet_thread.h"
 #include "client/link/failure.h"
 #include "client/link/message_stream.h"
 #include "protocol/limits.h"
@@ -74,7 +75,7 @@ class SocketStream final : public MessageStream {
     Result<void> connect() {
         std::future<Result<void>> result = opened_.get_future();
         asio::post(io_, [this] { resolve(); });
-        thread_ = std::thread([this] { run(); });
+        begin_thread();
         // Steps have their own time limits; name resolution has none.
         const auto deadline = std::chrono::steady_clock::now() +
                               to_milliseconds(options_.connect_timeout_s) + close_patience;
@@ -88,6 +89,11 @@ class SocketStream final : public MessageStream {
                         : fmt::format("no answer in {} s", options_.connect_timeout_s));
         }
         return result.get();
+    }
+
+    void begin_thread() {
+        const QuietThreads quiet;
+        thread_ = std::thread([this] { run(); });
     }
 
     /// Of a stream without a thread, instead of connect().
@@ -210,6 +216,7 @@ class SocketStream final : public MessageStream {
             if (problem)
                 return opened(cannot_connect(problem.message()));
             ws_.socket().set_no_delay();
+            ws_.socket().stay_with_this_process();
             if (!url_.tls)
                 return shake_hands();
             ws_.socket().connect_tls(url_.host, [this](error_code refused) {
@@ -256,16 +263,23 @@ class SocketStream final : public MessageStream {
         }
         if (error.is(WebSocketEnd::silent))
             return fmt::format("the server was silent for {} s", idle_timeout.count());
-        return fmt::format("the connection broke ({})", error.message);
+        return fmt::format("the connection broke ({})",
+                           why_not_written_.empty() ? error.message : why_not_written_);
     }
 
     void write() {
         writing_ = !outbox_.empty() && !finished_;
         if (!writing_)
             return;
+        // A peer that has said its last word answers with a reset, after which nothing more can be read: so what it said comes first.
+        if (ws_.socket().has_unread()) {
+            asio::post(io_, [this] { write(); });
+            return;
+        }
         ws_.write(outbox_.front(), [this](const Result<void>& written) {
             if (!written) {
-                writing_ = false; // the reader finds out why
+                writing_ = false; // the reader ends by it
+                why_not_written_ = written.error().message;
                 return;
             }
             waiting_bytes_ -= outbox_.front().size();
@@ -328,6 +342,7 @@ class SocketStream final : public MessageStream {
     bool reading_ = false;
     bool finished_ = false;
     std::string goodbye_;
+    std::string why_not_written_;
     std::atomic<bool> closing_ = false;
     std::atomic<std::size_t> waiting_bytes_ = 0;
     std::promise<Result<void>> opened_;

@@ -324,8 +324,10 @@ class Block {
     Patch patches_[mixed_already ? 1 : tiles_max][lanes];
 };
 
+/// By themselves, as is solve_alone(): in one function all kinds of blocks would stand on the stack side by side.
 template <class Some>
-void solve_in_turns(const PointTask& task, PointBlock& first, PointBlock& second) {
+[[gnu::noinline]] void solve_in_turns(const PointTask& task, PointBlock& first,
+                                      PointBlock& second) {
     Some one(task, first), other(task, second);
     while (!one.done() || !other.done()) {
         if (!one.done())
@@ -336,7 +338,7 @@ void solve_in_turns(const PointTask& task, PointBlock& first, PointBlock& second
 }
 
 template <class Some>
-void solve_alone(const PointTask& task, PointBlock& points) {
+[[gnu::noinline]] void solve_alone(const PointTask& task, PointBlock& points) {
     for (Some one(task, points); !one.done();)
         one.go_on(nullptr);
 }
@@ -351,9 +353,13 @@ void solve_points(const PointTask& task, PointBlock& first, PointBlock* second) 
         solve_in_turns<Block<W, false, few>>(task, first, *second);
     else
         for (PointBlock* points : {&first, second})
-            if (points != nullptr && task.tiles[0].mixed != nullptr)
+            if (points == nullptr)
+                continue;
+            else if (task.tiles[0].mixed != nullptr)
                 solve_alone<Block<W, true, most>>(task, *points);
-            else if (points != nullptr)
+            else if (task.tile_count <= few)
+                solve_alone<Block<W, false, few>>(task, *points);
+            else
                 solve_alone<Block<W, false, most>>(task, *points);
 }
 

@@ -5,9 +5,11 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <memory>
 #include <new>
 #include <utility>
 
+#include "base/recycled.h"
 #include "sea/surface/maps/hermite.h"
 #include "sea/surface/steepness.h"
 #include "sea/surface/surface_at_time.h"
@@ -148,7 +150,13 @@ Surface::AtTime::AtTime(const Surface& surface, TimeUs time)
 /// there for the next.
 class Surface::TimesOfBlock {
   public:
-    explicit TimesOfBlock(const Surface& surface) : surface_(surface) {}
+    explicit TimesOfBlock(const Surface& surface)
+        : surface_(surface), room_(places * sizeof(AtTime) + alignof(AtTime)) {
+        void* first = room_.data();
+        std::size_t bytes = room_.size();
+        first_ = static_cast<std::byte*>(
+            std::align(alignof(AtTime), places * sizeof(AtTime), first, bytes));
+    }
     ~TimesOfBlock() {
         while (made_-- > 0)
             place(made_)->~AtTime();
@@ -164,19 +172,20 @@ class Surface::TimesOfBlock {
             ++made_;
         else
             place(last_)->~AtTime();
-        return *::new (room_ + last_ * sizeof(AtTime)) AtTime(surface_, time_us);
+        return *::new (first_ + last_ * sizeof(AtTime)) AtTime(surface_, time_us);
     }
 
   private:
     static constexpr std::size_t places = answered_at_once + 1;
     AtTime* place(std::size_t n) {
-        return std::launder(reinterpret_cast<AtTime*>(room_ + n * sizeof(AtTime)));
+        return std::launder(reinterpret_cast<AtTime*>(first_ + n * sizeof(AtTime)));
     }
 
     const Surface& surface_;
     std::size_t made_ = 0;
     std::size_t last_ = 0;
-    alignas(AtTime) std::byte room_[places * sizeof(AtTime)]; ///< untouched until it is needed
+    RecycledVector<std::byte> room_; ///< too much for the stacks that engines give their jobs
+    std::byte* first_;
 };
 
 std::uint32_t Surface::lasting_flags(TimeUs time_us) const {

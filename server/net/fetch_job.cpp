@@ -15,10 +15,9 @@ namespace seaway::server {
 
 namespace limits = protocol::limits;
 
-Error tiles_too_large() {
+Error tiles_too_large(std::size_t bytes_max) {
     return {wire::ErrorCode::too_large,
-            fmt::format("more than {} bytes of tiles: fetch fewer times or fields",
-                        limits::fetch_bytes_max)};
+            fmt::format("more than {} bytes of tiles: fetch fewer times or fields", bytes_max)};
 }
 
 Error no_room_for(std::string_view what) {
@@ -105,13 +104,15 @@ Room* FetchJob::streamed_room() const {
 Result<void> FetchJob::take(const EncodedKeyframePtr& one, sea::FieldSet follows) {
     bytes_ += message_bytes(*one, wanted_);
     if (bytes_ > limits::fetch_bytes_max)
-        return tiles_too_large();
+        return tiles_too_large(limits::fetch_bytes_max);
     if (start_)
         return keep(one, follows);
     const std::shared_ptr<Core> alive = core_.lock();
     const Room::Place place =
         alive ? alive->memory->room(MemoryUse::fetched)->take(message_bytes(*one, wanted_))
               : nullptr;
+    if (!place && alive && bytes_ > alive->memory->room(MemoryUse::fetched)->bytes_max())
+        return tiles_too_large(alive->memory->room(MemoryUse::fetched)->bytes_max());
     if (!place)
         return no_room_for("fetched tiles");
     return keep(with_place(place, one), follows);

@@ -30,6 +30,7 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
         socket_.expires_never(); // the host answers; what it takes is bounded there
         watch_peer();
         const bool may_come = core().map_places.ask(
+            peer_.address,
             [weak = weak_from_this(), parameters = std::move(parameters)](MapPlaces::Place place) {
                 if (const auto self = weak.lock(); self != nullptr && self->here_ != nullptr)
                     self->start(parameters, std::move(place));

@@ -6,13 +6,14 @@
 
 namespace seaway::server {
 
-bool MapPlaces::ask(Begin begin) {
+bool MapPlaces::ask(const AddressPtr& address, Begin begin) {
     if (state_->taken < state_->most) {
-        begin(place(state_));
+        ++state_->by_address[address.get()];
+        begin(place(state_, address));
         return true;
     }
     if (static_cast<int>(state_->waiting.size()) < state_->ending) {
-        state_->waiting.push_back(std::move(begin));
+        wait(address, std::move(begin));
         return true;
     }
     std::shared_ptr<MapReader> slowest;
@@ -24,12 +25,19 @@ bool MapPlaces::ask(Begin begin) {
             slowest = reader;
         return false;
     });
-    if (slowest == nullptr)
+    if (slowest == nullptr && state_->by_address.contains(address.get()))
         return false;
-    std::erase_if(readers_, [&slowest](const auto& weak) { return weak.lock() == slowest; });
-    state_->waiting.push_back(std::move(begin));
-    slowest->give_way();
+    wait(address, std::move(begin));
+    if (slowest != nullptr) {
+        std::erase_if(readers_, [&slowest](const auto& weak) { return weak.lock() == slowest; });
+        slowest->give_way();
+    }
     return true;
+}
+
+void MapPlaces::wait(const AddressPtr& address, Begin begin) {
+    ++state_->by_address[address.get()];
+    state_->waiting.push_back({address, std::move(begin)});
 }
 
 void MapPlaces::reads(std::weak_ptr<MapReader> reader) {
@@ -38,24 +46,27 @@ void MapPlaces::reads(std::weak_ptr<MapReader> reader) {
 }
 
 void MapPlaces::stop() {
-    std::deque<Begin> forgotten;
+    std::deque<Waiting> forgotten;
     forgotten.swap(state_->waiting);
     state_->most = 0;
 }
 
-MapPlaces::Place MapPlaces::place(const std::shared_ptr<State>& state) {
+MapPlaces::Place MapPlaces::place(const std::shared_ptr<State>& state, const AddressPtr& address) {
     ++state->taken;
-    return Place(state.get(), GiveBack{state});
+    return Place(state.get(), GiveBack{state, address});
 }
 
-void MapPlaces::gave_back(const std::shared_ptr<State>& state, bool had_ended) {
+void MapPlaces::gave_back(const std::shared_ptr<State>& state, const AddressPtr& address,
+                          bool had_ended) {
     --state->taken;
     state->ending -= had_ended;
+    if (const auto held = state->by_address.find(address.get()); --held->second == 0)
+        state->by_address.erase(held);
     if (state->waiting.empty() || state->taken >= state->most)
         return;
-    const Begin begin = std::move(state->waiting.front());
+    const Waiting next = std::move(state->waiting.front());
     state->waiting.pop_front();
-    begin(place(state));
+    next.begin(place(state, next.address));
 }
 
 } // namespace seaway::server

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // MapPlaces: how many maps are under way at a time, and who gives way. A place comes back when the last of its
 // holders lets it go, on whichever thread, which is after the threads of the map have ended. Where none is free,
-// the reader who is furthest behind makes room, if one is behind; who asked waits for that place.
+// the reader who is furthest behind makes room, if one is behind; who asked waits for that place. An address that has no
+// place waits for the next that comes free, before all that have one: so one that always wants two leaves others theirs.
 //
 // Of the io thread alone, but for the places.
 #pragma once
@@ -9,8 +10,11 @@
 #include <chrono>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
+
+#include "server/net/addresses.h"
 
 namespace seaway::server {
 
@@ -36,9 +40,9 @@ class MapPlaces {
         state_->post = std::move(post);
     }
 
-    /// Calls `begin` now, or once a map that is ending, or that gives way, has ended. False: nothing is free
-    /// and nobody is behind.
-    [[nodiscard]] bool ask(Begin begin);
+    /// Calls `begin` now, or once a place has come free. False: none is, nobody is behind, and this address has a place, or
+    /// waits for one.
+    [[nodiscard]] bool ask(const AddressPtr& address, Begin begin);
 
     /// For as long as it lives it may be asked to give way.
     void reads(std::weak_ptr<MapReader> reader);
@@ -53,22 +57,32 @@ class MapPlaces {
     void stop();
 
   private:
+    struct Waiting {
+        AddressPtr address;
+        Begin begin;
+    };
     struct State {
         int most = 0;
         int taken = 0;
         int ending = 0; ///< of these
-        std::deque<Begin> waiting;
+        std::deque<Waiting> waiting;
+        std::map<const Address*, int> by_address; ///< places that each has or waits for
         Post post;
     };
     struct GiveBack {
         std::shared_ptr<State> state;
+        AddressPtr address;
         bool ends = false;
         void operator()(void*) const {
-            state->post([state = state, ends = ends] { gave_back(state, ends); });
+            state->post([state = state, address = address, ends = ends] {
+                gave_back(state, address, ends);
+            });
         }
     };
-    static Place place(const std::shared_ptr<State>& state);
-    static void gave_back(const std::shared_ptr<State>& state, bool had_ended);
+    static Place place(const std::shared_ptr<State>& state, const AddressPtr& address);
+    static void gave_back(const std::shared_ptr<State>& state, const AddressPtr& address,
+                          bool had_ended);
+    void wait(const AddressPtr& address, Begin begin);
 
     const std::shared_ptr<State> state_;
     std::vector<std::weak_ptr<MapReader>> readers_;

@@ -254,7 +254,7 @@ void Session::fetched(std::uint32_t request_id, const Result<FetchedTiles>& enco
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
-        return refuse(request_id, tiles_too_large());
+        return refuse(request_id, tiles_too_large(protocol::limits::fetch_bytes_max));
     link_.send_more();
 }
 

@@ -193,7 +193,10 @@ async function look() {
     showSea(state);
     showServer(metrics, state.device);
     showPlan(plan);
-    await showMap(state);
+    await showMap(state).catch(problem => {
+      if (!(problem instanceof Refused && problem.status === 503)) throw problem;
+      at("caption").textContent = `no picture now: ${problem.message}`; // others have the places of maps
+    });
     tell("live", "The sea runs.");
     return pause_ms;
   } catch (problem) {

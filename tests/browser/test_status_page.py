@@ -123,6 +123,48 @@ class StatusPage(unittest.TestCase):
         time.sleep(3)
         self.assertEqual(server.metric("seaway_keyframes_total"), before)
 
+    def test_it_shows_who_is_there_and_what_is_computed_for_them(self):
+        server = self.serve("scenes/calm.toml")
+        page = self.browser.open(server.url + "/")
+        page.wait_for(LIVE)
+        self.assertIn("Nobody subscribes", page.value("document.getElementById('plan_says').textContent"))
+        query = os.path.join(os.path.dirname(SERVER), "seaway-query")
+        client = subprocess.Popen([query, server.url.replace("http://", "ws://"), "--local", "--at", "0,0", "--watch", "5"],
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(client.wait)
+        self.addCleanup(client.kill)
+        table = """(id => Object.fromEntries(Array.from(document.querySelectorAll(`#${id} tr`)).map(
+            row => Array.from(row.children, cell => cell.textContent.trim())).map(([name, ...rest]) => [name, rest])))"""
+        page.wait_for(f"parseFloat({table}('server')['Keyframes computed'][0]) > 0")
+        page.wait_for(f"{table}('server')['Sessions'][0] === '1 of 1024'")
+        page.wait_for(f"parseFloat({table}('server')['Sent'][0]) > 0")
+        shown = json.loads(page.value(f"JSON.stringify({table}('server'))"))
+        self.assertEqual(shown["Subscriptions"], ["1"])
+        for name, (value, *_) in shown.items():
+            self.assertNotIn("-", value.split()[0] if name != "Device" else "", f"{name}: {value}")
+        # Each row: a cascade, an effect, how often, what it costs a keyframe and a second.
+        plan = json.loads(server.get("/v1/plan"))
+        rows = json.loads(page.value("JSON.stringify(Array.from(document.querySelectorAll('#plan tr')).slice(1).map("
+                                     "row => Array.from(row.children, cell => cell.textContent)))"))
+        effects = [effect for cascade in plan["cascades"] for effect in cascade["effects"]]
+        self.assertGreater(len(rows), 0)
+        self.assertEqual([row[1] for row in rows], [effect["effect"] for effect in effects])
+        for row in rows:
+            self.assertGreater(float(row[2]), 0, row)
+            self.assertGreater(float(row[3]), 0, row)
+            self.assertGreaterEqual(float(row[4]), float(row[2]) * float(row[3]) * 0.9, row)
+        self.assertEqual(page.complaints(), [])
+
+    def test_a_picture_that_is_refused_leaves_the_rest_live(self):
+        server = self.serve("scenes/calm.toml")
+        page = self.browser.open(server.url + "/")
+        page.wait_for(LIVE)
+        page.value("""(() => { const ask = window.fetch; window.fetch = (path, options) =>
+            path.startsWith('/v1/map') ? Promise.resolve(new Response('others have the places', {status: 503})) : ask(path, options); })()""")
+        page.wait_for("document.getElementById('caption').textContent.includes('others have the places')")
+        page.wait_for(LIVE)
+        self.assertEqual(page.value("document.documentElement.dataset.state"), "live")
+
     def test_with_a_token_it_asks_for_it_and_shows_nothing_before(self):
         with tempfile.NamedTemporaryFile("w", suffix=".token") as file:
             file.write("open sesame\n")

@@ -5,8 +5,11 @@ import threading
 import time
 
 
+EXTRAPOLATED = 4  # beyond what is held the sea stands: no height of it
+
+
 class Watcher:
-    """A client of the library behind HAProxy: what it samples, and when each row came."""
+    """A client of the library behind HAProxy: what it samples where it holds the sea, and when each row came."""
 
     def __init__(self, fleet, number):
         self.rows = []
@@ -26,7 +29,8 @@ class Watcher:
                 continue
             row = dict(zip(names, map(float, fields)))
             row["came_s"] = time.monotonic()
-            self.rows.append(row)
+            if not int(row["flags"]) & EXTRAPOLATED:
+                self.rows.append(row)
 
     def stop(self):
         self.process.terminate()

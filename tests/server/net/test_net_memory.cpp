@@ -15,8 +15,9 @@ class NetMemory : public NetTest {};
 
 // Naive: a bound for each session alone: 64 that fetch and read nothing hold 2 GB.
 TEST_F(NetMemory, fetched_tiles_that_nobody_reads_have_one_bound_for_all_sessions) {
-    host.holds(0); // one keyframe always finds room, a second one does not
     start();
+    const std::shared_ptr<server::Room>& room = host.memory()->room(server::MemoryUse::fetched);
+    const server::Room::Place unread = room->take(room->bytes_max()); // by others
     const auto client = greeted();
     const sea::TimeUs time_us = 3;
     for (std::uint32_t id = 1; id <= 3; ++id) {
@@ -28,6 +29,16 @@ TEST_F(NetMemory, fetched_tiles_that_nobody_reads_have_one_bound_for_all_session
     }
     ASSERT_FALSE(client->send(protocol::subscribe(4, heights, 1)));
     EXPECT_TRUE(client->receive(Body::FetchDone)) << "a subscription begins all the same";
+}
+
+// Naive: told to ask again, one that can never be served does, and each time most of its work is done.
+TEST_F(NetMemory, a_fetch_that_is_more_than_all_of_that_alone_is_too_large) {
+    host.holds(0); // one keyframe always finds room, a second one does not
+    start();
+    const auto client = greeted();
+    const sea::TimeUs time_us = 3;
+    ASSERT_FALSE(client->send(protocol::fetch(1, {&time_us, 1}, heights)));
+    expect_refused(*client, 1, ErrorCode::too_large, "fetch fewer times or fields");
 }
 
 // Naive: each session may leave a megabyte of replies unread: a thousand of them fill the machine.

@@ -246,8 +246,9 @@ TEST(MapPlaces, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) 
             posted.front()();
     };
     std::vector<MapPlaces::Place> held;
+    const auto one = std::make_shared<Address>("one", NetOptions{});
     const auto ask = [&] {
-        return places.ask([&](MapPlaces::Place place) { held.push_back(std::move(place)); });
+        return places.ask(one, [&](MapPlaces::Place place) { held.push_back(std::move(place)); });
     };
     ASSERT_TRUE(ask());
     MapPlaces::Place ending = std::move(held.back());
@@ -264,6 +265,47 @@ TEST(MapPlaces, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) 
     settle();
     EXPECT_EQ(held.size(), 2u);
     held.clear();
+    settle();
+    places.stop();
+}
+
+// Naive: whoever asks at the right instant has the next place, which is who asks without pause.
+TEST(MapPlaces, an_address_that_has_none_is_next_whoever_asks_without_pause) {
+    std::deque<std::function<void()>> posted;
+    MapPlaces places(2,
+                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    const auto settle = [&] {
+        for (; !posted.empty(); posted.pop_front())
+            posted.front()();
+    };
+    std::deque<MapPlaces::Place> greedy, other;
+    const auto address = [](const char* name) {
+        return std::make_shared<Address>(name, NetOptions{});
+    };
+    const AddressPtr one = address("one"), two = address("two"), three = address("three");
+    const auto ask = [&](const AddressPtr& who, std::deque<MapPlaces::Place>& held) {
+        return places.ask(who, [&](MapPlaces::Place place) { held.push_back(std::move(place)); });
+    };
+    ASSERT_TRUE(ask(one, greedy) && ask(one, greedy));
+    EXPECT_FALSE(ask(one, greedy));
+    EXPECT_TRUE(ask(two, other)) << "waits";
+    EXPECT_FALSE(ask(two, other)) << "once";
+    EXPECT_TRUE(ask(three, other));
+    EXPECT_TRUE(other.empty());
+    greedy.pop_front();
+    settle();
+    EXPECT_EQ(other.size(), 1u);
+    EXPECT_FALSE(ask(one, greedy));
+    other.clear(); // two has had its map: three is next, before one
+    settle();
+    EXPECT_EQ(other.size(), 1u);
+    other.clear();
+    settle();
+    EXPECT_TRUE(ask(one, greedy)) << "nobody waits";
+    greedy.clear();
+    settle();
+    EXPECT_TRUE(ask(two, other) && ask(two, other)) << "nothing is remembered";
+    other.clear();
     settle();
     places.stop();
 }

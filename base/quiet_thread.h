@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// QuietThreads: while one stands, threads that are begun take no signals. Those of the process are its program's: a
+// library's thread that takes one runs a handler where nobody expects it, or ends a program that waits for it elsewhere.
+#pragma once
+
+#include <csignal>
+
+namespace seaway {
+
+/// Of the calling thread, which is as before afterwards.
+class QuietThreads {
+  public:
+    QuietThreads() {
+        sigset_t all;
+        sigfillset(&all);
+        pthread_sigmask(SIG_SETMASK, &all, &before_);
+    }
+    ~QuietThreads() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    QuietThreads(const QuietThreads&) = delete;
+    QuietThreads& operator=(const QuietThreads&) = delete;
+
+  private:
+    sigset_t before_;
+};
+
+} // namespace seaway
