@@ -315,7 +315,7 @@ Result<void> Client::sample_into(std::span<const QueryPoint> points, std::span<A
         SEAWAY_TRY(check_point(point));
     return of_one_sea([&]() -> Result<void> {
         SEAWAY_TRY(sample_from(ring_, surfaces_, points, answers, how));
-        return how.of_now ? add_clock(points, answers, how.terms) : Result<void>();
+        return how.of_now ? add_clock(points, answers, how) : Result<void>();
     });
 }
 
@@ -337,7 +337,7 @@ Result<void> Client::rebuild(TimeUs time_us) {
 }
 
 Client::SeaThen Client::sea_then(TimeUs time_us) const {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
     SeaThen then{sea_state_held(time_us), nullptr, {}, {}};
     then.known = known_held(*then.state);
     for (const SeaStatePtr& state : sea_states_) { // by their beginning
@@ -347,17 +347,23 @@ Client::SeaThen Client::sea_then(TimeUs time_us) const {
         }
         then.span.from_us = state->start_time_us;
     }
-    then.waves = own_sea_held(then.state);
+    const WavesOf waves = waves_held(then.state);
+    lock.unlock();
+    then.waves = own_sea(waves);
     return then;
 }
 
 Result<bool> Client::hold_then(SeaThen& then, const KeyframeRing& ring, TimeUs time_us,
-                               HeldSurfaces& surfaces, HeldSurfaces::Lent& surface) const {
+                               HeldSurfaces& surfaces, HeldSurfaces::Lent& surface,
+                               bool keyframes_first) const {
     const auto is_held = [&]() -> Result<void> {
-        if (then.waves)
+        if (then.waves && !keyframes_first)
             return {};
         splines_ahead_ = splines_ahead_max;
-        return surfaces.lend(then.state, ring, time_us, sampled_fields(), surface);
+        Result<void> lent = surfaces.lend(then.state, ring, time_us, sampled_fields(), surface);
+        if (lent && surface->covers)
+            then.waves = nullptr;
+        return then.waves ? Result<void>() : lent;
     };
     const Result<void> held = is_held();
     // No longer than the shortest change takes: after that it is another sea.
@@ -378,7 +384,8 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
         const TimeUs time_us = points[first].time_us;
         SeaThen then = sea_then(time_us);
         TimeSpan span = then.span;
-        SEAWAY_TRY_LET(const bool late, hold_then(then, ring, time_us, surfaces, surface));
+        SEAWAY_TRY_LET(const bool late,
+                       hold_then(then, ring, time_us, surfaces, surface, how.keyframes_first));
         if (late)
             span = {time_us, time_us};
         if (!then.waves)

@@ -84,6 +84,8 @@ struct Sampling {
     /// The times are meant as those of now_us(), or of moments at a distance from it: what the clock may be off by is part of
     /// error_m. Three samples instead of one.
     bool of_now = false;
+    /// Keyframes answer where they cover the time, though there are waves.
+    bool keyframes_first = false;
 };
 
 class Waiter;
@@ -304,7 +306,7 @@ class Client {
     sea::TimeUs now_error_us() const;
     /// client_now.cpp: what the water may be further on by.
     Result<void> add_clock(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                           std::span<sea::ErrorTerms> terms) const;
+                           const Sampling& how) const;
 
     sea::FieldSet sampled_fields() const { return offered(sea::surface_fields); }
     /// Without what the server is known not to offer.
@@ -335,9 +337,18 @@ class Client {
     Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
                          std::span<Water> water) const; ///< all of one time
     /// Glides that begin before the one before them has ended.
-    static constexpr int glides_chained_max = 4;
-    /// The same with mutex_ held; `depth` more glides may lead there.
-    OwnSeaPtr own_sea_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
+    static constexpr int glides_chained_max = 16;
+    /// What a sea is made of, which takes some tens of milliseconds and is done without mutex_.
+    struct WavesOf {
+        SeaStatePtr state;
+        OwnSeaPtr made = nullptr; ///< it is there
+        std::shared_ptr<ReceivedSpectrum> received = nullptr;
+        std::unique_ptr<WavesOf> before = nullptr; ///< of a glide: where it begins
+        bool steady = false;                       ///< a glide whose end is meant
+    };
+    /// mutex_ held; `depth` more glides may lead there.
+    WavesOf waves_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
+    OwnSeaPtr own_sea(const WavesOf& of) const;
     /// Would there be one? Nothing is made for that.
     bool holds_waves_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
     bool has_waves_held(std::uint32_t epoch) const;
@@ -360,7 +371,8 @@ class Client {
     SeaThen sea_then(sea::TimeUs time_us) const;
     /// Has what answers of that time take: waves, or a surface. True: of its sea nothing has come yet, and `then` is the one before.
     Result<bool> hold_then(SeaThen& then, const KeyframeRing& ring, sea::TimeUs time_us,
-                           HeldSurfaces& surfaces, HeldSurfaces::Lent& surface) const;
+                           HeldSurfaces& surfaces, HeldSurfaces::Lent& surface,
+                           bool keyframes_first) const;
     Result<void> sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
                              std::span<const sea::QueryPoint> points,
                              std::span<sea::Answer> answers, const Sampling& how) const;
@@ -398,6 +410,7 @@ class Client {
         OwnSeaPtr sea;
     };
     mutable std::map<std::uint32_t, Glide> glides_; ///< likewise
+    mutable std::mutex making_glides_;              ///< before mutex_
     sea::FieldSet not_offered_;
     std::optional<Grant> grant_;
     std::vector<Wanted*> wanted_;

@@ -8,6 +8,7 @@
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "sea/surface/budget/error_budget.h"
+#include "sea/surface/grid_rows.h"
 
 namespace seaway::client {
 
@@ -212,24 +213,34 @@ sea::FieldSet needed_surface(std::span<const std::optional<sea::Field>> channels
 void fill(const sea::Surface* surface, TimeUs time_us,
           std::span<const std::optional<sea::Field>> channels,
           const std::optional<KeyframePair>& foam, CascadeMap& map) {
-    map.values.reserve(static_cast<std::size_t>(map.size) * static_cast<std::size_t>(map.size) *
-                       channels.size());
-    for (int y = 0; y < map.size; ++y)
-        for (int x = 0; x < map.size; ++x) {
-            const Vec2 place{x * map.length_m / map.size, y * map.length_m / map.size};
-            const sea::LagrangianPoint point =
-                surface ? surface->at(place.x, place.y, time_us) : sea::LagrangianPoint{};
-            for (const std::optional<sea::Field>& field : channels) {
-                double value = 0;
-                if (field == sea::Field::jacobian)
-                    value = sea::jacobian(point, surface->choppiness());
-                else if (field == sea::Field::foam)
-                    value = foam_ratio(*foam, time_us, place);
-                else if (field)
-                    value = sea::value_of(point, *field);
-                map.values.push_back(static_cast<float>(value));
-            }
+    const auto side = static_cast<std::size_t>(map.size);
+    map.values.resize(side * side * channels.size());
+    std::optional<sea::GridRows> rows;
+    if (surface)
+        rows.emplace(surface->pairs().front(), time_us);
+    for (std::size_t y = 0; y < side; ++y) {
+        const std::span<const sea::LagrangianPoint> row =
+            rows ? rows->next() : std::span<const sea::LagrangianPoint>();
+        for (std::size_t c = 0; c < channels.size(); ++c) {
+            const std::optional<sea::Field>& field = channels[c];
+            float* to = map.values.data() + y * side * channels.size() + c;
+            const auto put = [&](const auto& value_at) {
+                for (std::size_t x = 0; x < side; ++x, to += channels.size())
+                    *to = static_cast<float>(value_at(x));
+            };
+            if (field == sea::Field::jacobian)
+                put([&](std::size_t x) { return sea::jacobian(row[x], surface->choppiness()); });
+            else if (field == sea::Field::foam)
+                put([&](std::size_t x) {
+                    const double texel_m = map.length_m / map.size;
+                    return foam_ratio(
+                        *foam, time_us,
+                        {static_cast<double>(x) * texel_m, static_cast<double>(y) * texel_m});
+                });
+            else if (field)
+                put([&](std::size_t x) { return sea::value_of(row[x], *field); });
         }
+    }
 }
 
 } // namespace

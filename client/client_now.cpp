@@ -77,7 +77,7 @@ TimeUs Client::now_error_us() const {
 
 // Of a height that is a polynomial of second degree in so short a time no moment in between is further away than the further end.
 Result<void> Client::add_clock(std::span<const QueryPoint> points, std::span<Answer> answers,
-                               std::span<sea::ErrorTerms> terms) const {
+                               const Sampling& how) const {
     const TimeUs off_us = now_error_us();
     RecycledVector<QueryPoint> moved(points.begin(), points.end());
     RecycledVector<Answer> there(points.size());
@@ -87,8 +87,9 @@ Result<void> Client::add_clock(std::span<const QueryPoint> points, std::span<Ans
         for (std::size_t i = 0; i < points.size(); ++i)
             moved[i].time_us =
                 std::clamp(points[i].time_us + by_us, -sea::time_us_max, sea::time_us_max);
-        SEAWAY_TRY(
-            sample_from(ring_, surfaces_, moved, there, {.parts = sea::AnswerParts::height}));
+        SEAWAY_TRY(sample_from(
+            ring_, surfaces_, moved, there,
+            {.parts = sea::AnswerParts::height, .keyframes_first = how.keyframes_first}));
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Answer &here = answers[i], &then = there[i];
             // What is no bound there is none of what lies in between.
@@ -101,8 +102,8 @@ Result<void> Client::add_clock(std::span<const QueryPoint> points, std::span<Ans
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
         answers[i].error_m += further_m[i];
-        if (!terms.empty())
-            terms[i].clock_m = further_m[i];
+        if (!how.terms.empty())
+            how.terms[i].clock_m = further_m[i];
     }
     return {};
 }

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: whose waves it has, and what sea follows of them.
+#include <algorithm>
+
 #include "client/client.h"
 
 namespace seaway::client {
 
 using sea::TimeUs;
-
-OwnSeaPtr Client::own_sea(const SeaStatePtr& state) const {
-    const std::scoped_lock lock(mutex_);
-    return own_sea_held(state);
-}
 
 std::uint32_t Client::epoch_of_waves_held(const SeaState& steady) const {
     if (has_waves_held(steady.epoch))
@@ -48,30 +45,65 @@ bool Client::holds_waves_held(const SeaStatePtr& state, int depth) const {
                                                        : holds_waves_held(before, depth - 1);
 }
 
-OwnSeaPtr Client::own_sea_held(const SeaStatePtr& state, int depth) const {
-    if (const auto found = rebuilt_.find(state->epoch); found != rebuilt_.end())
-        return found->second;
-    const auto received = [&](std::uint32_t epoch) -> OwnSeaPtr {
-        const auto found = received_.find(epoch);
-        return found == received_.end() ? nullptr : found->second->sea();
-    };
-    if (!state->glide)
-        return received(epoch_of_waves_held(*state));
-    const OwnSeaPtr waves = received(state->epoch);
-    const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
-    if (!waves || depth == 0 || before == state)
-        return nullptr;
-    const OwnSeaPtr from = has_ended_by(*before, state->start_time_us)
-                               ? received(before->epoch)
-                               : own_sea_held(before, depth - 1);
-    if (!from)
-        return nullptr;
-    Glide& glide = glides_[state->epoch];
-    if (glide.from != from || glide.to != waves) {
-        const auto made =
-            GlidingSea::create(*state, *from, *waves, state->start_time_us, state->glide->end_us);
-        glide = {from, waves, made ? *made : nullptr};
+Client::WavesOf Client::waves_held(const SeaStatePtr& state, int depth) const {
+    WavesOf of{.state = state};
+    if (const auto found = rebuilt_.find(state->epoch); found != rebuilt_.end()) {
+        of.made = found->second;
+        return of;
     }
+    const auto received = [&](std::uint32_t epoch) {
+        const auto found = received_.find(epoch);
+        return found == received_.end() ? nullptr : found->second;
+    };
+    if (!state->glide) {
+        of.received = received(epoch_of_waves_held(*state));
+        return of;
+    }
+    of.received = received(state->epoch);
+    const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
+    if (!of.received || depth == 0 || before == state)
+        return {};
+    if (has_ended_by(*before, state->start_time_us)) // the sea that it led to
+        of.before = std::make_unique<WavesOf>(
+            WavesOf{.state = before, .received = received(before->epoch), .steady = true});
+    else
+        of.before = std::make_unique<WavesOf>(waves_held(before, depth - 1));
+    return of;
+}
+
+OwnSeaPtr Client::own_sea(const SeaStatePtr& state) const {
+    WavesOf of;
+    {
+        const std::scoped_lock lock(mutex_);
+        of = waves_held(state);
+    }
+    return own_sea(of);
+}
+
+OwnSeaPtr Client::own_sea(const WavesOf& of) const {
+    if (of.made || !of.received)
+        return of.made;
+    const OwnSeaPtr waves = of.received->sea();
+    if (of.steady || !of.state->glide)
+        return waves;
+    const OwnSeaPtr from = of.before ? own_sea(*of.before) : nullptr;
+    if (!waves || !from)
+        return nullptr;
+    // One at a time, or every thread that samples would make the same one.
+    const std::scoped_lock making(making_glides_);
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto made = glides_.find(of.state->epoch);
+        if (made != glides_.end() && made->second.from == from && made->second.to == waves)
+            return made->second.sea;
+    }
+    const auto made = GlidingSea::create(*of.state, *from, *waves, of.state->start_time_us,
+                                         of.state->glide->end_us);
+    const std::scoped_lock lock(mutex_);
+    if (std::ranges::find(sea_states_, of.state) == sea_states_.end()) // forgotten meanwhile
+        return nullptr;
+    Glide& glide = glides_[of.state->epoch];
+    glide = {from, waves, made ? *made : nullptr};
     return glide.sea;
 }
 

@@ -247,7 +247,8 @@ seaway_code seaway_query(seaway_client* client, const seaway_point* points, size
 enum {
     SEAWAY_TILES = 0, /* keyframes around now, for as long as the subscription lasts */
     /* The waves of the sea, once: some 60 KB, then nothing while the sea stays as it is. Any time can be sampled,
-     * past or future, at some 30 us a point. Not of a sea of stylised waves: SEAWAY_REFUSED. */
+     * past or future, at some 60 us a point of a gale; while the sea changes each new time takes some ms more. Who has tiles, too,
+     * chooses by seaway_sampling.from. Not of a sea of stylised waves: SEAWAY_REFUSED. */
     SEAWAY_SPECTRUM = 1
 };
 

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
-#include <csignal>
+#include <cstdlib>
+#include <future>
 #include <memory>
+#include <system_error>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/async.h>
@@ -114,6 +118,11 @@ void log_on_its_own_thread() {
         spdlog::async_overflow_policy::overrun_oldest));
 }
 
+bool is_unread = false; ///< at the end
+
+/// With who reads the log, at its end.
+constexpr std::chrono::seconds patience_with_readers{1};
+
 } // namespace
 
 std::string json_line(std::string_view time, std::string_view level, std::string_view message) {
@@ -131,10 +140,29 @@ void set_log_format(const std::string& format) {
 }
 
 LogEnd::~LogEnd() {
-    spdlog::shutdown();
+    // By another thread: a line that nobody reads is waited for by nobody who has something to say of how it ended.
+    const auto written = std::make_shared<std::promise<void>>();
+    try {
+        std::thread([written] {
+            spdlog::shutdown();
+            written->set_value();
+        }).detach();
+    } catch (const std::system_error&) { // no further thread
+        spdlog::shutdown();
+        written->set_value();
+    }
+    is_unread = written->get_future().wait_for(patience_with_readers) != std::future_status::ready;
+    if (is_unread)
+        return;
     spdlog::set_default_logger(
         std::make_shared<spdlog::logger>(log_name, std::make_shared<Sink>()));
     apply_format();
+}
+
+int end_with(int status) {
+    if (is_unread)
+        std::_Exit(status);
+    return status;
 }
 
 int give_up(int status, const std::string& why) {

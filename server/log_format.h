@@ -11,7 +11,8 @@ namespace seaway::server {
 /// waits for who reads. Where nobody reads, the oldest of 8192 lines are lost.
 void set_log_format(const std::string& format);
 
-/// All lines have been written when it is over; what is logged later is written at once.
+/// All lines have been written when it is over; what is logged later is written at once. Who does not read them is waited
+/// for a second.
 class LogEnd {
   public:
     LogEnd() = default;
@@ -19,6 +20,9 @@ class LogEnd {
     LogEnd(const LogEnd&) = delete;
     LogEnd& operator=(const LogEnd&) = delete;
 };
+
+/// Returns `status`, for main; where lines wait for who does not read them the process ends with it here.
+int end_with(int status);
 
 /// Why the program gives up: complain(), or the same as a line of a log in JSON. Returns `status`.
 int give_up(int status, const std::string& why);

@@ -273,7 +273,7 @@ int main(int argc, char** argv) {
         set_log_format(wanted.log);
         if (wanted.device == "list")
             return list_devices();
-        return wanted.check ? check(wanted) : serve(wanted);
+        return wanted.check ? check(wanted) : end_with(serve(wanted));
     } catch (const std::system_error& error) {
         if (error.code() != std::errc::resource_unavailable_try_again)
             return give_up(exit_usage, error.what());

@@ -60,7 +60,8 @@ template <class T>
 Result<void> read_number(const std::string& name, const std::string& text, T& to) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), to);
     if (end != text.data() + text.size() || error == std::errc::invalid_argument)
-        return bad_value(fmt::format("{} = \"{}\" is not a number", name, text));
+        return bad_value(fmt::format("{} = \"{}\" is not a {}", name, text,
+                                     std::is_integral_v<T> ? "whole number" : "number"));
     using Limits = std::numeric_limits<T>;
     if (error != std::errc()) // no T holds it: the nearest does, and is held to the field's range
         to = static_cast<T>(std::clamp<double>(std::strtod(text.c_str(), nullptr), Limits::lowest(),

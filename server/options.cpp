@@ -54,7 +54,7 @@ void net_options(CommandLine& line, NetOptions& net) {
         .takes("FILE");
     line.option("--client-token-file", net.client_token_file,
                 "File with the token that clients then need in their first message, and for every "
-                "page and map but /healthz and /readyz")
+                "page and map but /healthz, /readyz and the frame of the status page")
         .takes("FILE");
     line.option(
             "--allow-origin", net.allowed_origins,

@@ -23,10 +23,10 @@ int exit_code(const char* program, const Error& error) {
     case Failure::not_held:
     case Failure::not_understood:
     case Failure::too_large:
+    case Failure::for_good: // turned away: to come again changes nothing
         return exit_refused;
     case Failure::none: // not of this room
     case Failure::cannot_connect:
-    case Failure::for_good:
     case Failure::lost:
     case Failure::deadline:
         break;

@@ -30,13 +30,14 @@ ReceivedSpectrum::ReceivedSpectrum(SeaStatePtr state, const protocol::SpectrumHe
 
 Result<void> ReceivedSpectrum::add(const sea::SpectrumLeft& left,
                                    std::span<const sea::WaveBlock> blocks) {
-    const std::scoped_lock lock(mutex_);
+    const std::scoped_lock making(making_);
     if (!builder_)
         return builder_.error();
     for (const sea::WaveBlock& block : blocks)
         SEAWAY_TRY(builder_->add(block));
-    left_ = left;
     sea_ = nullptr;
+    const std::scoped_lock lock(mutex_);
+    left_ = left;
     return {};
 }
 
@@ -53,8 +54,8 @@ RebuiltError error_of(const sea::SpectrumLeft& left) {
 } // namespace
 
 RebuiltSeaPtr ReceivedSpectrum::sea() const {
-    const std::scoped_lock lock(mutex_);
-    if (!sea_ && left_)
+    const std::scoped_lock making(making_);
+    if (!sea_ && left_) // which adding alone changes
         sea_ = std::make_shared<const RebuiltSea>(
             std::make_shared<const sea::Realization>(builder_->sea()), *state_, error_of(*left_));
     return sea_;

@@ -34,10 +34,11 @@ class ReceivedSpectrum {
 
   private:
     const SeaStatePtr state_;
-    mutable std::mutex mutex_;
+    mutable std::mutex making_; ///< of the next two, for as long as a sea takes; before mutex_
     Result<sea::SpectrumBuilder> builder_;
-    std::optional<sea::SpectrumLeft> left_;
     mutable RebuiltSeaPtr sea_; ///< of what has come; null: to be made anew
+    mutable std::mutex mutex_;  ///< of what is left, which is asked for without waiting
+    std::optional<sea::SpectrumLeft> left_;
 };
 
 } // namespace seaway::client

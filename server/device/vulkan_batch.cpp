@@ -72,18 +72,17 @@ Result<void> VulkanBatch::record(Slot& slot, std::span<const Job> jobs, const Pa
     if (first_held)
         slot.commands.barrier(Stage::compute, Stage::host); // they stay where they are
     else if (&slot == &own_) // of the ring's the transfer queue does it
-        record_readback(slot, target, packing, passes);
+        record_readback(slot, packing, passes);
     return slot.commands.end();
 }
 
-void VulkanBatch::record_readback(Slot& slot, const Target& target, const Packing& packing,
-                                  std::size_t passes) {
-    if (slot.asked > 0) {
+void VulkanBatch::record_readback(Slot& slot, const Packing& packing, std::size_t passes) {
+    if (passes == 0 || passes == kernels_.passes.size()) {
+        if (slot.readback.size_bytes() == 0)
+            return slot.commands.barrier(Stage::compute, Stage::host);
         slot.commands.barrier(Stage::compute, Stage::copy);
         copy_out(slot, slot.commands);
-    } else if (passes == 0 || passes == kernels_.passes.size())
-        read_back(slot, *target.maps, slot.bytes);
-    else
+    } else
         read_back(slot, scratch_[(passes - 1) % 2],
                   pass_floats(passes - 1, packing) * sizeof(float));
 }
@@ -164,10 +163,8 @@ void VulkanBatch::read_back(Slot& slot, const Buffer& result, std::size_t bytes)
         slot.commands.barrier(Stage::compute, Stage::host);
         return;
     }
-    if (bytes == 0)
-        return;
     slot.commands.barrier(Stage::compute, Stage::copy);
-    slot.commands.copy(result, slot.readback, bytes);
+    travel(slot.commands, result, slot.readback, bytes);
     slot.commands.barrier(Stage::copy, Stage::host);
 }
 

@@ -100,9 +100,6 @@ class VulkanBatch {
 
     /// Of a run that was finished, unless its maps are held: copies one map, [y][x]; `map` as in Packing.
     void read_map(RunId run, int job, int map, std::span<float> out) const;
-    /// Of such a run, from memory that the CPU cannot read.
-    std::size_t travelled_bytes(RunId run) const;
-
     /// Of a run that was rounded instead: whether 16 bits are enough for a map, and where its steps are, [y][x].
     bool fits(RunId run, int job, int map) const;
     std::span<const std::int16_t> steps(RunId run, int job, int map) const;
@@ -113,6 +110,8 @@ class VulkanBatch {
     Result<void> read_exactly(RunId run, std::span<const MapOf> maps);
 
     std::uint64_t dispatches() const { return dispatches_; }
+    /// Of maps, from memory that the CPU cannot read to where it can.
+    std::uint64_t travelled_bytes() const { return travelled_bytes_; }
     /// By the device's clock where passes are timed, else by ours; foam is told apart by the device's alone.
     double device_seconds() const { return device_seconds_; }
     double foam_seconds() const { return foam_seconds_; }
@@ -165,8 +164,8 @@ class VulkanBatch {
         gpu::Bindings rounding;
         // Of its run.
         std::size_t jobs = 0, maps_a_job = 0;
-        std::size_t asked = 0; ///< maps of a job that are rounded; 0: none is
-        std::size_t bytes = 0; ///< that travel
+        std::size_t asked = 0;   ///< maps of a job that travel, its first
+        bool is_rounded = false; ///< they are
         bool foam = false, under_way = false;
         std::uint64_t ticket = 0, copied = 0; ///< of the transfer queue; 0: it has nothing to do
         std::chrono::steady_clock::time_point started;
@@ -182,8 +181,9 @@ class VulkanBatch {
     Result<void> make_rounding(Slot& slot);
     void record_rounding(Slot& slot, std::uint32_t first_map);
     /// What travels of it, to where the CPU reads it.
-    void copy_out(const Slot& slot, gpu::Commands& commands) const;
-    std::size_t rounded_bytes(const Slot& slot) const;
+    void copy_out(const Slot& slot, gpu::Commands& commands);
+    void travel(gpu::Commands& commands, const gpu::Buffer& from, const gpu::Buffer& to,
+                std::size_t bytes, std::size_t from_at = 0, std::size_t to_at = 0);
     bool any_under_way() const;
 
     /// The first `passes` passes, to the slot's target or to what is held.
@@ -193,8 +193,7 @@ class VulkanBatch {
     void record_passes(Slot& slot, const Target& target, const Packing& packing, const After& after,
                        std::size_t passes, const shaders::SynthesisPush& push, std::uint32_t jobs);
     /// What a run of its own leaves, all or some of its passes.
-    void record_readback(Slot& slot, const Target& target, const Packing& packing,
-                         std::size_t passes);
+    void record_readback(Slot& slot, const Packing& packing, std::size_t passes);
     void stamp(Slot& slot);
     Result<void> read_timer(Slot& slot, double wall_seconds);
     void write(Slot& slot, gpu::Buffer& buffer, std::span<const std::byte> bytes);
@@ -231,6 +230,7 @@ class VulkanBatch {
     std::array<Slot, ring_slots> ring_;
     std::chrono::steady_clock::time_point computed_; ///< when the last run was seen to be
     std::uint64_t dispatches_ = 0;
+    std::uint64_t travelled_bytes_ = 0;
     double device_seconds_ = 0;
     double foam_seconds_ = 0;
     std::vector<double> pass_seconds_;

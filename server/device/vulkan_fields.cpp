@@ -74,6 +74,7 @@ Packing pack(sea::FieldSet computed, sea::FieldSet asked, std::size_t apart) {
     packing.map.fill(-1);
     for (const sea::Field field : asked)
         packing.map[static_cast<std::size_t>(field)] = packing.maps++;
+    packing.asked = packing.maps;
     for (const sea::Field field : computed.without(asked))
         packing.map[static_cast<std::size_t>(field)] = packing.maps++ + static_cast<int>(apart);
     packing.rows.assign(row_floats, 0.0f);

@@ -19,6 +19,7 @@ struct Packing {
     int fields = 0;  ///< transforms along x, and maps
     int sources = 0; ///< transforms along y, at most as many
     int maps = 0;    ///< a job leaves: those asked for in table order, then what they are made of
+    int asked = 0;   ///< of these
     std::vector<float> rows;
     /// Which field comes out, 0 .. fields - 1, between the passes; -1: none.
     std::array<int, sea::field_count> plane{};

@@ -9,7 +9,6 @@ Result<void> VulkanReadbacks::collect() {
     const Pending& oldest = pending_.front();
     counters_.readbacks_beside += pending_.size() > 1;
     SEAWAY_TRY(oldest.batch->finish(oldest.run));
-    counters_.readback_bytes += oldest.batch->travelled_bytes(oldest.run);
     for (const NewKeyframePtr& keyframe : oldest.keyframes) {
         keyframe->values = spare_->take(keyframe->plane_size() *
                                         static_cast<std::size_t>(keyframe->fields.size()));
@@ -79,7 +78,6 @@ Result<void> VulkanReadbacks::take_rounded(const Pending& pending) {
     if (again.empty())
         return {};
     SEAWAY_TRY(pending.batch->read_exactly(pending.run, again));
-    counters_.readback_bytes += pending.batch->travelled_bytes(pending.run);
     for (std::size_t i = 0; i < again.size(); ++i)
         pending.batch->read_map(pending.run, again[i].job, again[i].map, planes[i]);
     return {};

@@ -60,9 +60,10 @@ Result<VulkanBatch::RunId> VulkanBatch::start(std::span<const Job> jobs, const P
     const std::size_t passes = packing.fields > 0 ? kernels_.passes.size() : 0;
     slot.jobs = jobs.size();
     slot.maps_a_job = static_cast<std::size_t>(packing.maps);
-    slot.asked = after.rounding != nullptr ? static_cast<std::size_t>(after.rounding->asked) : 0;
+    slot.asked =
+        static_cast<std::size_t>(after.rounding != nullptr ? after.rounding->asked : packing.asked);
+    slot.is_rounded = after.rounding != nullptr;
     slot.foam = after.foam != nullptr;
-    slot.bytes = slot.asked > 0 ? rounded_bytes(slot) : map_bytes() * slot.jobs * slot.maps_a_job;
     SEAWAY_TRY(record(slot, jobs, packing, after, passes, first_held));
     SEAWAY_TRY(submit(slot, more));
     dispatches_ += passes + (after.jacobian != nullptr) +
@@ -77,15 +78,28 @@ Result<void> VulkanBatch::record_copying(Slot& slot) {
     return slot.copying.end();
 }
 
-void VulkanBatch::copy_out(const Slot& slot, gpu::Commands& commands) const {
-    if (slot.asked > 0) {
-        commands.copy(slot.rounded, slot.readback, slot.jobs * slot.asked * sizeof(std::uint32_t));
-        commands.copy(slot.rounded, slot.readback, slot.jobs * slot.asked * map_bytes() / 2,
-                      words_at, words_at);
+void VulkanBatch::copy_out(const Slot& slot, gpu::Commands& commands) {
+    const std::size_t maps = slot.jobs * slot.asked;
+    if (maps == 0)
+        return; // what histories go on by stays there
+    if (slot.is_rounded) {
+        travel(commands, slot.rounded, slot.readback, maps * sizeof(std::uint32_t));
+        travel(commands, slot.rounded, slot.readback, maps * map_bytes() / 2, words_at, words_at);
+    } else if (slot.asked == slot.maps_a_job) {
+        travel(commands, *slot.target.maps, slot.readback, maps * map_bytes());
     } else {
-        commands.copy(*slot.target.maps, slot.readback, slot.bytes);
+        for (std::size_t job = 0; job < slot.jobs; ++job) {
+            const std::size_t at = job * slot.maps_a_job * map_bytes();
+            travel(commands, *slot.target.maps, slot.readback, slot.asked * map_bytes(), at, at);
+        }
     }
     commands.barrier(gpu::Stage::copy, gpu::Stage::host);
+}
+
+void VulkanBatch::travel(gpu::Commands& commands, const gpu::Buffer& from, const gpu::Buffer& to,
+                         std::size_t bytes, std::size_t from_at, std::size_t to_at) {
+    commands.copy(from, to, bytes, from_at, to_at);
+    travelled_bytes_ += bytes;
 }
 
 Result<void> VulkanBatch::submit(Slot& slot, bool copies) {
@@ -115,11 +129,6 @@ Result<void> VulkanBatch::finish(RunId run) {
     return read_timer(slot, wall.count());
 }
 
-std::size_t VulkanBatch::travelled_bytes(RunId run) const {
-    const Slot& slot = slot_of(run);
-    return slot.readback.size_bytes() > 0 ? slot.bytes : 0;
-}
-
 void VulkanBatch::abandon() {
     const auto forget = [&](Slot& slot) {
         if (!slot.under_way)
@@ -147,7 +156,7 @@ Result<void> VulkanBatch::read_timer(Slot& slot, double wall_seconds) {
     for (const double pass : pass_seconds_)
         device_seconds_ += pass;
     if (slot.foam) {
-        const double foam = pass_seconds_[pass_seconds_.size() - (slot.asked > 0 ? 2 : 1)];
+        const double foam = pass_seconds_[pass_seconds_.size() - (slot.is_rounded ? 2 : 1)];
         device_seconds_ -= foam;
         foam_seconds_ += foam;
     }
@@ -160,10 +169,6 @@ void VulkanBatch::read_map(RunId run, int job, int map, std::span<float> out) co
     const std::size_t index =
         static_cast<std::size_t>(job) * slot.maps_a_job + static_cast<std::size_t>(map);
     std::memcpy(out.data(), there.mapped().data() + index * map_bytes(), map_bytes());
-}
-
-std::size_t VulkanBatch::rounded_bytes(const Slot& slot) const {
-    return slot.jobs * slot.asked * (map_bytes() / 2 + sizeof(std::uint32_t));
 }
 
 void VulkanBatch::record_rounding(Slot& slot, std::uint32_t first_map) {
@@ -194,14 +199,13 @@ std::span<const std::int16_t> VulkanBatch::steps(RunId run, int job, int map) co
 // What was computed still stands there: a place of the ring is its run's until all of it has been read.
 Result<void> VulkanBatch::read_exactly(RunId run, std::span<const MapOf> maps) {
     Slot& slot = slot_of(run);
-    slot.asked = 0;
-    slot.bytes = map_bytes() * maps.size();
+    slot.is_rounded = false;
     SEAWAY_TRY(slot.commands.begin());
     slot.commands.barrier(gpu::Stage::compute, gpu::Stage::copy);
     for (const MapOf& one : maps) {
         const std::size_t at = map_bytes() * (static_cast<std::size_t>(one.job) * slot.maps_a_job +
                                               static_cast<std::size_t>(one.map));
-        slot.commands.copy(*slot.target.maps, slot.readback, map_bytes(), at, at);
+        travel(slot.commands, *slot.target.maps, slot.readback, map_bytes(), at, at);
     }
     slot.commands.barrier(gpu::Stage::copy, gpu::Stage::host);
     SEAWAY_TRY(slot.commands.end());

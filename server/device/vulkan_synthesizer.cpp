@@ -259,10 +259,12 @@ Result<VulkanMaps*> Vulkan::held_maps(int size) {
 template <class Work>
 auto Vulkan::counted(VulkanBatch& device_batch, const Work& work) {
     const std::uint64_t dispatches = device_batch.dispatches();
+    const std::uint64_t travelled = device_batch.travelled_bytes();
     const double seconds = device_batch.device_seconds();
     const double foam_seconds = device_batch.foam_seconds();
     auto done = work();
     counters_.dispatches += device_batch.dispatches() - dispatches;
+    counters_.readback_bytes += device_batch.travelled_bytes() - travelled;
     counters_.device_seconds += device_batch.device_seconds() - seconds;
     counters_.foam_seconds += device_batch.foam_seconds() - foam_seconds;
     return done;

@@ -71,6 +71,8 @@ Result<void> check_journal_place(const JournalPlace& place) {
                                        {"--journal-credentials", &place.credentials_file}})
         if (!file->empty())
             return Error{fmt::format("{} goes with --journal nats://HOST:PORT/WORLD", option)};
+    if (place.replicas != JournalPlace{}.replicas)
+        return Error{"--journal-replicas goes with --journal nats://HOST:PORT/WORLD"};
     return {};
 }
 

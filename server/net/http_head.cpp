@@ -136,6 +136,8 @@ std::optional<Refused> check_page(const HttpHead& head, const Origins& origins,
                  "on its own machine this server answers to addresses, localhost, the machine's "
                  "name and the hosts of --allow-origin: the name in Host is none of them\n"}};
     if (!head.origins.empty()) {
+        if (head.origins[0] == "null")
+            return forbidden("pages without an origin (Origin: null) may not use this server");
         if (!origins.allows(head.origins[0], host, tls))
             return forbidden("pages of this Origin may not use this server: the operator can allow "
                              "them with --allow-origin ORIGIN");

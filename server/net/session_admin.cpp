@@ -23,8 +23,11 @@ constexpr std::size_t sessions_listed_max = 256;
 constexpr int changes_in_flight_max = 4;
 constexpr int journal_reads_max = 4;
 
-Error administrators_alone() {
-    return {ErrorCode::unauthorised, "this is for administrators: connect with their token"};
+Error administrators_alone(bool there_are_some) {
+    return {ErrorCode::unauthorised,
+            there_are_some ? "this is for administrators: connect with their token"
+                           : "this server has no administrators: it was started without "
+                             "--admin-token-file"};
 }
 
 Result<SeaWish> wish_of(const wire::Change& change, int in_flight) {
@@ -76,7 +79,7 @@ std::string in_quotes(const std::string& why) {
 void Session::on_change(const wire::Change& change) {
     const std::uint32_t request_id = change.request_id();
     if (standing_ != Standing::administrator)
-        return refuse(request_id, administrators_alone());
+        return refuse(request_id, administrators_alone(!core_.tokens.admin.empty()));
     Result<SeaWish> wish = wish_of(change, changes_in_flight_);
     ++changes_in_flight_;
     if (wish)
@@ -110,7 +113,7 @@ void Session::changed(std::uint32_t request_id, const Result<SeaPromise>& promis
 void Session::on_administer(const wire::Administer& administer) {
     const std::uint32_t request_id = administer.request_id();
     if (standing_ != Standing::administrator)
-        return refuse(request_id, administrators_alone());
+        return refuse(request_id, administrators_alone(!core_.tokens.admin.empty()));
     if (const Result<void> fine = protocol::check(administer); !fine)
         return refuse(request_id, fine.error());
     switch (administer.act()) {

@@ -53,7 +53,10 @@ SeaCourse::SeaCourse(RunningSeaPtr first) : first_(std::move(first)) {
 Result<std::shared_ptr<SeaCourse>> SeaCourse::begin(const sea::Scene& scene) {
     SEAWAY_TRY_LET(RunningSeaPtr first, make_running_sea(scene, 1));
     auto course = std::make_shared<SeaCourse>(std::move(first));
-    SEAWAY_TRY_LET(std::vector<Change> rows, course->timetable(scene, always_us));
+    const auto name_of = [&](std::size_t row) {
+        return fmt::format("{}: weather[{}]", scene.source, row + 1);
+    };
+    SEAWAY_TRY_LET(std::vector<Change> rows, course->timetable(scene, always_us, name_of));
     course->append(std::move(rows));
     return course;
 }
@@ -77,20 +80,19 @@ Result<void> SeaCourse::check_next(const sea::Scene& from, const sea::Scene& to)
     return {};
 }
 
-Result<std::vector<SeaCourse::Change>> SeaCourse::timetable(const sea::Scene& scene,
-                                                            TimeUs from_us) const {
+Result<std::vector<SeaCourse::Change>> SeaCourse::timetable(const sea::Scene& scene, TimeUs from_us,
+                                                            const NameOfRow& name_of) const {
     SEAWAY_TRY_LET(std::vector<sea::Scene> scenes, sea::weather_scenes(scene));
     std::vector<Change> rows;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const sea::WeatherChange& row = scene.weather[i];
         const TimeUs start_us = sea::us_from_seconds(row.at_s);
         if (start_us < from_us)
-            return Error{fmt::format("{}: weather[{}].at_s is {}, the sea is there only at {} s",
-                                     scene.source, i + 1, row.at_s, sea::seconds_from_us(from_us))};
+            return Error{fmt::format("{}: at_s is {}, the sea is there only at {} s", name_of(i),
+                                     row.at_s, sea::seconds_from_us(from_us))};
         const sea::Scene& before = rows.empty() ? scene : rows.back().scene;
         if (const Result<void> fine = check_next(before, scenes[i]); !fine)
-            return Error{
-                fmt::format("{}: weather[{}]: {}", scene.source, i + 1, fine.error().message)};
+            return Error{fmt::format("{}: {}", name_of(i), fine.error().message)};
         rows.push_back(
             {start_us, start_us + sea::us_from_seconds(row.over_s), std::move(scenes[i])});
     }
@@ -101,7 +103,11 @@ Result<std::vector<SeaCourse::Change>> SeaCourse::changes_to(const sea::Scene& s
                                                              TimeUs start_us, TimeUs end_us) const {
     SEAWAY_CHECK(start_us < end_us, "a change takes some time");
     SEAWAY_TRY(check_next(scene_at(start_us), scene));
-    SEAWAY_TRY_LET(std::vector<Change> changes, timetable(scene, end_us));
+    // Of a scene that was sent, or of one of before whose first rows are over: neither has a file whose rows it could count.
+    const auto name_of = [&](std::size_t row) {
+        return fmt::format("the row of its weather that begins at {} s", scene.weather[row].at_s);
+    };
+    SEAWAY_TRY_LET(std::vector<Change> changes, timetable(scene, end_us, name_of));
     changes.insert(changes.begin(), {start_us, end_us, scene});
     const std::scoped_lock lock(mutex_);
     if (changes_.size() + changes.size() > changes_max)

@@ -136,7 +136,10 @@ class SeaCourse {
     /// A change and its timetable, or the latter alone, checked; an error names the row.
     Result<std::vector<Change>> changes_to(const sea::Scene& scene, sea::TimeUs start_us,
                                            sea::TimeUs end_us) const;
-    Result<std::vector<Change>> timetable(const sea::Scene& scene, sea::TimeUs from_us) const;
+    /// `name_of(row)`: what a row is called where it cannot be.
+    using NameOfRow = std::function<std::string(std::size_t row)>;
+    Result<std::vector<Change>> timetable(const sea::Scene& scene, sea::TimeUs from_us,
+                                          const NameOfRow& name_of) const;
     Result<void> check_next(const sea::Scene& from, const sea::Scene& to) const;
     void append(std::vector<Change> changes);
     /// Of a change that is held; takes over from those before.

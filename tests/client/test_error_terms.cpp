@@ -192,6 +192,39 @@ TEST_F(ErrorTerms, are_as_many_as_there_are_points_and_allocate_nothing) {
     }
 }
 
+// A client that takes the waves for what tiles have not, as the water below, need not sum them up where tiles will do.
+TEST_F(ErrorTerms, of_who_has_both_are_of_keyframes_where_these_are_preferred_and_cover_the_time) {
+    Sea both(net->url()), tiles(net->url()), waves(net->url());
+    hold_sea(both, true);
+    hold_sea(both, false);
+    hold_sea(tiles, true);
+    hold_sea(waves, false);
+    std::vector<seaway_point> points = places(60);
+    seaway_sampling how = times_of(SEAWAY_STATED_TIMES);
+    const auto same = [&](const Sea& other) {
+        std::vector<seaway_answer> answers(points.size());
+        EXPECT_EQ(
+            seaway_sample_as(both.handle(), &how, points.data(), points.size(), answers.data()),
+            SEAWAY_OK);
+        const std::vector<seaway_answer> expected = other.sample(points);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            if (answers[i].height_m != expected[i].height_m ||
+                answers[i].error_m != expected[i].error_m || answers[i].flags != expected[i].flags)
+                return false;
+        return true;
+    };
+    EXPECT_TRUE(same(waves));
+    how.from = SEAWAY_TILES_FIRST;
+    EXPECT_TRUE(same(tiles));
+    how.times = SEAWAY_TIMES_OF_NOW;
+    const auto terms = terms_of(both, &how, points);
+    EXPECT_GT(terms[0].rounding_m, 0.0004) << "which maps alone have";
+    how.times = SEAWAY_STATED_TIMES;
+    for (seaway_point& point : points)
+        point.time_us += 3'600'000'000; // of which nothing is held but the waves
+    EXPECT_TRUE(same(waves));
+}
+
 TEST_F(ErrorTerms, are_given_to_programs_of_other_headers_and_refused_by_name) {
     Sea client(net->url());
     hold_sea(client, true);
@@ -211,9 +244,9 @@ TEST_F(ErrorTerms, are_given_to_programs_of_other_headers_and_refused_by_name) {
     };
     refused("times is 7: it must be 0 or 1");
     how = times_of(0);
-    how.reserved = 1;
-    refused("reserved is 1: it must be 0");
-    how.reserved = 0;
+    how.from = 2;
+    refused("from is 2: it must be 0 or 1");
+    how.from = 0;
     refused("stride is 71: it must be sizeof(seaway_terms)", 71);
     EXPECT_NE(refusal(seaway_sample_terms(client.handle(), &how, points.data(), 1, nullptr, 128))
                   .find("terms must not be null"),

@@ -168,6 +168,7 @@ TEST_P(LocalSeaTest, is_made_without_a_copy_out_of_the_device_or_into_it) {
     EXPECT_GT(counters.keyframes, 8u);
     EXPECT_GT(counters.foam_ticks, 10u);
     EXPECT_EQ(counters.copies, 0u) << "keyframes that were read back";
+    EXPECT_EQ(counters.readback_bytes, 0u) << "nor do strains travel that foam goes on by";
     EXPECT_EQ(drawn.copies(), 0u) << "maps that were given to the renderer";
 }
 
