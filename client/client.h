@@ -40,6 +40,7 @@
 
 #include "base/fair_mutex.h"
 #include "base/result.h"
+#include "client/asking.h"
 #include "client/held/keyframe_ring.h"
 #include "client/held_surfaces.h"
 #include "client/joining.h"
@@ -66,26 +67,6 @@ struct ClientEvents {
     std::function<void(const Error& reason)> on_closed{}; ///< each time
     /// Something of it is another than before, but for times that pass. One after the other, the last of them is what is.
     std::function<void(const ClientStatus&)> on_status{};
-};
-
-struct Asking {
-    bool exact = false;    ///< direct sum in double precision by the server; slow
-    double timeout_s = 10; ///< for each batch that the points are split into
-    Looking looking = {};  ///< which waves count
-};
-
-/// How sample_into() answers.
-struct Sampling {
-    sea::AnswerParts parts = sea::AnswerParts::all;
-    /// One a point, or none (sea/surface/surface.h); used where answers come from keyframes.
-    std::span<sea::PointMemory> memory = {};
-    /// One a point, filled in, or none: what error_m of the answers is made of.
-    std::span<sea::ErrorTerms> terms = {};
-    /// The times are meant as those of now_us(), or of moments at a distance from it: what the clock may be off by is part of
-    /// error_m. Three samples instead of one.
-    bool of_now = false;
-    /// Keyframes answer where they cover the time, though there are waves.
-    bool keyframes_first = false;
 };
 
 class Waiter;

@@ -26,8 +26,8 @@ TEST(GridRows, have_what_the_surface_has_at_each_grid_point) {
              {SplinePair{first, map(apart_us)}, SplinePair{first, first}}) {
             const Surface surface({pair}, sea->choppiness, {.reach_m = 5.0}, {});
             const double cell_m = first->length_m() / first->size();
-            for (const TimeUs time_us : {TimeUs{0}, TimeUs{73'000}, apart_us,
-                                         TimeUs{5 * apart_us}, TimeUs{-30'000}}) {
+            for (const TimeUs time_us :
+                 {TimeUs{0}, TimeUs{73'000}, apart_us, TimeUs{5 * apart_us}, TimeUs{-30'000}}) {
                 GridRows rows(pair, time_us);
                 ASSERT_EQ(rows.size(), 64);
                 for (int y = 0; y < 64; ++y) {
