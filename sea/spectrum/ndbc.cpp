@@ -14,7 +14,12 @@ namespace seaway::sea {
 
 namespace {
 
-constexpr double missing_from = 999.0;
+/// What files say in the place of a number, besides MM. Densities of the real-time form have MM alone: such seas exist.
+bool is_fill(double value) {
+    return value == 999.0 || value == 9999.0;
+}
+
+enum class Quantity : std::uint8_t { density, direction };
 constexpr double hundredths = 0.01;
 
 std::vector<std::string_view> words_of(std::string_view line) {
@@ -83,7 +88,8 @@ std::string written(std::int64_t time) {
 /// One file, line by line.
 class RecordReader {
   public:
-    explicit RecordReader(const NdbcText& file) : file_(file), rest_(file.text) {}
+    RecordReader(const NdbcText& file, Quantity quantity)
+        : file_(file), quantity_(quantity), rest_(file.text) {}
 
     /// The record of this time, or the newest for -1.
     Result<Record> find(std::int64_t wanted) {
@@ -157,12 +163,15 @@ class RecordReader {
             const std::optional<double> value = number_of(words[i]);
             if (!value && words[i] != "MM")
                 return bad(words[i]);
-            record.values.push_back({*f, value && *value < missing_from ? value : std::nullopt});
+            const bool filled = quantity_ == Quantity::direction || archived();
+            record.values.push_back(
+                {*f, value && !(filled && is_fill(*value)) ? value : std::nullopt});
         }
         return record;
     }
 
     const NdbcText& file_;
+    Quantity quantity_;
     std::string_view rest_;
     std::vector<std::string_view> header_;
     bool minutes_ = true;
@@ -189,7 +198,7 @@ std::optional<std::int64_t> time_from(std::string_view text) {
 /// One of the four directional quantities at the frequencies of the densities.
 Result<std::vector<std::optional<double>>> beside(const NdbcText& file, const Record& density,
                                                   bool is_share) {
-    RecordReader reader(file);
+    RecordReader reader(file, Quantity::direction);
     const Result<Record> record = reader.find(density.time);
     if (!record)
         return record.error();
@@ -217,7 +226,7 @@ Result<std::string> ndbc_to_csv(const NdbcTexts& texts, const std::string& time_
         time_utc.empty() ? std::optional<std::int64_t>(-1) : time_from(time_utc);
     if (!wanted)
         return Error{fmt::format("time_utc = \"{}\"; a time is YYYY-MM-DDThh:mm", time_utc)};
-    const Result<Record> density = RecordReader(texts.density).find(*wanted);
+    const Result<Record> density = RecordReader(texts.density, Quantity::density).find(*wanted);
     if (!density)
         return density.error();
     std::string csv = "f_hz,f_lo_hz,f_hi_hz,s_m2_hz";

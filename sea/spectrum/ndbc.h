@@ -10,8 +10,8 @@
 //                  2023 01 01 00 40    0.00   0.21 ...   r1 and r2 in hundredths
 //
 // Density in m2/Hz; alpha1 and alpha2 are degrees clockwise from north that waves come from;
-// D(A) = (1/pi) (1/2 + r1 cos(A - alpha1) + r2 cos 2(A - alpha2)). Missing: MM, or 999 and above in
-// directions and r, or 999 in densities. Source: NDBC, "Measurement Descriptions and Units".
+// D(A) = (1/pi) (1/2 + r1 cos(A - alpha1) + r2 cos 2(A - alpha2)). Missing: MM; 999 and 9999, however
+// many zeros follow, but in densities of the last 45 days, which may be as large. Source: NDBC, "Measurement Descriptions and Units".
 //
 // Pure functions; thread-safe.
 #pragma once

@@ -332,6 +332,45 @@ TEST(Ndbc, a_frequency_with_half_of_its_directions_has_none) {
         EXPECT_THAT(*csv, HasSubstr(none));
 }
 
+// Long swell of a narrow band is as dense: 1005.5 m2/Hz was published.
+TEST(Ndbc, densities_of_a_thousand_are_densities) {
+    const std::string header = "#YY  MM DD hh mm Sep_Freq  < spec_1 (freq_1) ... >\n";
+    const NdbcTexts now{
+        {header + "2014 09 11 17 00 9.999 999.0 (0.04) 1005.5 (0.05) 9999.0 (0.06) \n", "s"},
+        {},
+        {},
+        {},
+        {}};
+    const auto csv = ndbc_to_csv(now, "");
+    ASSERT_TRUE(csv) << csv.error().message;
+    for (const char* density : {",999\n", ",1005.5\n", ",9999\n"})
+        EXPECT_THAT(*csv, HasSubstr(density));
+    const NdbcTexts then{
+        {"#YY  MM DD hh mm   .0400  .0500\n2023 01 01 00 40  1005.50  998.99\n", "w"},
+        {},
+        {},
+        {},
+        {}};
+    const auto archived = ndbc_to_csv(then, "");
+    ASSERT_TRUE(archived) << archived.error().message;
+    for (const char* density : {",1005.5\n", ",998.99\n"})
+        EXPECT_THAT(*archived, HasSubstr(density));
+}
+
+TEST(Ndbc, what_archives_fill_in_is_no_density) {
+    for (const char* fill : {"999", "999.0", "999.00", "9999.00", "MM"}) {
+        const NdbcTexts texts{
+            {"#YY  MM DD hh mm   .0400  .0500\n2023 01 01 00 40  1.00  " + std::string(fill) + "\n",
+             "w"},
+            {},
+            {},
+            {},
+            {}};
+        EXPECT_THAT(ndbc_to_csv(texts, "").error().message, HasSubstr("no density at 0.05 Hz"))
+            << fill;
+    }
+}
+
 // Archives have one column a frequency, and r1, r2 in hundredths.
 TEST(Ndbc, archived_files_hold_shares_in_hundredths) {
     NdbcTexts texts{
