@@ -25,6 +25,9 @@ double cos2_value(double theta_rad) {
     return 2.0 / pi * c * c;
 }
 
+constexpr double hasselmann_jumps[] = {1.05};
+constexpr double donelan_banner_jumps[] = {0.95, 1.6};
+
 /// ln |cos(theta/2)|^2s, exact for narrow beams where 1 - cos would cancel.
 double log_power(double theta_rad, double exponent) {
     const double sine = std::sin(0.5 * theta_rad);
@@ -49,18 +52,34 @@ double mitsuyasu_exponent(const SpreadingPlace& place) {
 double hasselmann_exponent(const SpreadingPlace& place) {
     const double log_x = std::log(place.omega_over_peak);
     const double mu = -2.33 - 1.45 * (place.inverse_wave_age - 1.17);
-    const double s =
-        place.omega_over_peak < 1.05 ? 6.97 * std::exp(4.06 * log_x) : 9.77 * std::exp(mu * log_x);
+    const double s = place.omega_over_peak < hasselmann_jumps[0] ? 6.97 * std::exp(4.06 * log_x)
+                                                                 : 9.77 * std::exp(mu * log_x);
     return std::min(s, spreading_exponent_max);
 }
 
 double donelan_banner_beta(double x) {
     const double log_x = std::log(x);
-    if (x < 0.95)
+    if (x < donelan_banner_jumps[0])
         return 2.61 * std::exp(1.3 * log_x);
-    if (x < 1.6)
+    if (x < donelan_banner_jumps[1])
         return 2.28 * std::exp(-1.3 * log_x);
     return std::exp(2.302585092994046 * (-0.4 + 0.8393 * std::exp(-0.567 * 2.0 * log_x)));
+}
+
+std::span<const double> spreading_jumps(SpreadingKind kind) {
+    switch (kind) {
+    case SpreadingKind::hasselmann:
+    case SpreadingKind::cos2_hasselmann:
+        return hasselmann_jumps;
+    case SpreadingKind::donelan_banner:
+        return donelan_banner_jumps;
+    case SpreadingKind::cos2:
+    case SpreadingKind::cos2s:
+    case SpreadingKind::mitsuyasu:
+    case SpreadingKind::cos2_cos2s:
+        break;
+    }
+    return {};
 }
 
 double swell_exponent(double omega_over_peak, double swell) {

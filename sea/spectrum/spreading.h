@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 
 namespace seaway::sea {
 
@@ -80,6 +81,8 @@ class Spreading {
 double mitsuyasu_exponent(const SpreadingPlace& place);
 double hasselmann_exponent(const SpreadingPlace& place);
 double donelan_banner_beta(double omega_over_peak);
+/// w / wp where a spreading jumps, as its authors printed it.
+std::span<const double> spreading_jumps(SpreadingKind kind);
 /// Horvath's addition to s: 16 tanh(wp/w) xi^2.
 double swell_exponent(double omega_over_peak, double swell);
 /// ln N(s), N = Gamma(s+1) / (2 sqrt(pi) Gamma(s+1/2)), to 1e-14 for s >= 0.

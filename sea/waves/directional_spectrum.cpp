@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/waves/directional_spectrum.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seaway::sea {
@@ -82,7 +83,7 @@ std::complex<double> DirectionalSpectrum::direction_moment(double omega) const {
     return std::polar(spreading(omega).first_moment(), towards_);
 }
 
-std::vector<double> DirectionalSpectrum::breaks() const {
+std::vector<double> DirectionalSpectrum::density_breaks() const {
     if (empty())
         return {};
     if (!measured_)
@@ -105,9 +106,21 @@ std::vector<double> DirectionalSpectrum::breaks() const {
     return edges;
 }
 
+std::vector<double> DirectionalSpectrum::breaks() const {
+    std::vector<double> all = density_breaks();
+    if (all.empty() || (measured_ && measured_->has_directions()))
+        return all;
+    const double lowest = all.front(), highest = all.back();
+    for (const double jump : spreading_jumps(spreading_model_.kind))
+        if (lowest < jump * peak_omega_ && jump * peak_omega_ < highest)
+            all.push_back(jump * peak_omega_);
+    std::sort(all.begin(), all.end());
+    return all;
+}
+
 std::vector<double> DirectionalSpectrum::wavenumber_breaks() const {
     std::vector<double> wavenumbers{cutoffs_.k_lo_radpm, cutoffs_.k_hi_radpm};
-    for (const double omega : breaks())
+    for (const double omega : density_breaks())
         wavenumbers.push_back(dispersion_.wavenumber(omega));
     return wavenumbers;
 }

@@ -44,10 +44,10 @@ class DirectionalSpectrum {
     /// Integral of D e^{i phi} at this frequency, phi the direction towards: mean direction and
     /// circular spread.
     std::complex<double> direction_moment(double omega_radps) const;
-    /// Frequencies where S or its slope jumps, ascending, from the lowest to the highest that
-    /// matter: an integral between neighbours is smooth.
+    /// Frequencies where S, its slope or the spreading jumps, ascending, from the lowest to the highest
+    /// that matter: an integral between neighbours is smooth.
     std::vector<double> breaks() const;
-    /// The same as wavenumbers, rad/m, with the cut-offs among them; in no order.
+    /// Of S alone as wavenumbers, rad/m, with the cut-offs among them; in no order.
     std::vector<double> wavenumber_breaks() const;
 
     /// Outside these no energy is kept.
@@ -71,6 +71,7 @@ class DirectionalSpectrum {
     void set(const MeasuredSea& sea);
     void set(const ExplicitModes&) {} ///< no spectra: no energy here
     void set(const SineRamps&) {}
+    std::vector<double> density_breaks() const;
     double wavenumber_density(double k_radpm) const;
     Spreading spreading(double omega_radps) const;
     double short_wave_factor(double k_radpm) const;

@@ -166,9 +166,9 @@ DirectionalSpectrum::Peak peak_of(std::span<const DirectionalSpectrum> spectra) 
             best_omega = omega;
         }
     };
+    // Between the steps below lie narrow bins and the very peak that a scene names.
     for (const DirectionalSpectrum& s : spectra)
-        if (s.peak_around(s.peak_omega_radps()).bin_omega_radps > 0.0)
-            look_at(s.peak_omega_radps()); // a bin may be narrower than the steps below
+        look_at(s.peak_omega_radps());
     for (double omega = 0.5 * lo; omega < 2.0 * hi; omega *= step)
         look_at(omega);
     const auto strongest = std::max_element(
