@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sea/spectrum/spectra.h"
 #include "sea/waves/directional_spectrum.h"
 
 namespace seaway::sea {
@@ -25,13 +26,6 @@ std::optional<double> given_wind_mps(const SeaState& sea) {
         if (const auto* wind = std::get_if<WindSea>(&system))
             strongest = std::max(strongest.value_or(0.0), wind->wind_speed_10m_mps);
     return strongest;
-}
-
-/// Wind at 10 m of the Pierson-Moskowitz sea of this variance: m0 = alpha U^4 / (4 beta g^2), U at 19.5 m.
-double grown_sea_wind_mps(double variance_m2, double gravity_mps2) {
-    constexpr double alpha = 8.1e-3, beta = 0.74;
-    return std::pow(4.0 * beta / alpha * variance_m2 * gravity_mps2 * gravity_mps2, 0.25) /
-           wind_19m5_over_10m;
 }
 
 } // namespace
@@ -73,7 +67,7 @@ FoamWind foam_wind(const SeaState& sea) {
         return {0.0, FoamWind::Origin::swell};
     // Above its peak a Pierson-Moskowitz sea holds this share of its variance.
     const double above_peak = 1.0 - std::exp(-1.25);
-    return {grown_sea_wind_mps(wind_sea_m2 / above_peak, sea.gravity_mps2),
+    return {grown_sea_wind_10m_mps(wind_sea_m2 / above_peak, sea.gravity_mps2),
             FoamWind::Origin::equivalent};
 }
 

@@ -93,6 +93,13 @@ double FrequencySpectrum::gamma() const {
     return std::exp(log_gamma_);
 }
 
+double grown_sea_wind_10m_mps(double variance_m2, double gravity_mps2) {
+    // m0 = alpha U^4 / (4 beta g^2), U at 19.5 m.
+    constexpr double beta = 0.74;
+    return std::pow(4.0 * beta / pm_alpha * variance_m2 * gravity_mps2 * gravity_mps2, 0.25) /
+           wind_19m5_over_10m;
+}
+
 double kitaigorodskii_factor(double omega_radps, double depth_m, double gravity_mps2) {
     const Dispersion gravity_waves{gravity_mps2, 0.0, depth_m};
     const double kd = gravity_waves.wavenumber(omega_radps) * depth_m;

@@ -48,6 +48,9 @@ class FrequencySpectrum {
     bool growth_clamped_ = false;
 };
 
+/// Wind at 10 m of the Pierson-Moskowitz sea of this variance.
+double grown_sea_wind_10m_mps(double variance_m2, double gravity_mps2);
+
 /// Dimensionless fetch g F / U^2 at which JONSWAP's peak reaches Pierson-Moskowitz's 0.13 g/U10;
 /// no sea grows beyond: (3.5/0.13)^(1/0.33).
 inline constexpr double full_development_fetch = 21563.0995553856;

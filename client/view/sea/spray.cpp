@@ -7,6 +7,7 @@
 #include "gpu/descriptor_types.h"
 #include "gpu/keep.h"
 #include "sea/basics/constants.h"
+#include "sea/spectrum/spectra.h"
 #include "shaders/view/spray_comp.h"
 #include "shaders/view/spray_frag.h"
 #include "shaders/view/spray_one_frag.h"
@@ -54,10 +55,10 @@ SprayValues spray_values(const SeaFrame& frame, const Camera& camera, int slots)
     const double periods = sea::seconds_from_us(frame.time_us) / Spray::period_s;
     out.period = wrapped(std::floor(periods));
     out.moment = static_cast<float>(periods - std::floor(periods));
-    // Callaghan's law turned round; a grown sea's wind by its height (Pierson and Moskowitz 1964) where that says more.
+    // Callaghan's law turned round; a grown sea's wind by its height where that says more.
     const double by_cover = std::cbrt(frame.foam_mean / 4.82e-6) - 1.98;
-    const double by_height =
-        std::sqrt(sea::gravity_default_mps2 * frame.significant_height_m / 0.21);
+    const double by_height = sea::grown_sea_wind_10m_mps(
+        frame.significant_height_m * frame.significant_height_m / 16, sea::gravity_default_mps2);
     out.wind_mps = static_cast<float>(std::max(by_cover, by_height));
     // Phase speed of waves 20 significant heights long.
     out.crest_mps = static_cast<float>(

@@ -120,5 +120,12 @@ TEST_F(SprayTest, the_wind_is_that_of_the_whitecaps) {
     EXPECT_EQ(spray_values(storm(0, 0.03), {}, 6).slots, 0);
 }
 
+// Pierson and Moskowitz 1964: Hs = 0.21 U^2 / g of the wind at 19.5 m, which is 1.06 of that at 10 m.
+TEST_F(SprayTest, the_wind_of_a_high_sea_is_that_at_ten_metres) {
+    SeaFrame frame = storm(0, 0.0445);
+    frame.significant_height_m = 12;
+    EXPECT_NEAR(spray_values(frame, {}, 6).wind_mps, std::sqrt(9.81 * 12 / 0.21) / 1.06, 0.05);
+}
+
 } // namespace
 } // namespace seaway::client
