@@ -76,8 +76,8 @@ void set_light(shaders::ViewValues& out, const Sky& sky) {
     out.sky = sky.values();
 }
 
-/// The way of daylight to the sea floor over its depth: of the beam, bent by the surface, and of light from all over the
-/// sky, whose mean cosine under water is 0.86.
+/// The way of daylight down over the depth: of the beam, bent by the surface, and of light from all over the sky, whose mean
+/// cosine under water is 0.86.
 double down_path(const Sky& sky) {
     constexpr double index = shaders::water_index, path_of_sky = 1 / 0.86;
     const double up = std::max(sky.light_direction().z, 0.0);
@@ -95,7 +95,7 @@ void set_water(shaders::ViewValues& out, const SeaFrame& frame, const Sky& sky) 
     out.water.crest = narrow(look.crest);
     out.water.floor_seen = look.floor_seen ? 1 : 0;
     out.water.bubbles = narrow(look.bubbles);
-    out.water.down_path = narrow(down_path(sky));
+    out.water.down_path = narrow(down_path(sky) / slant_of_attenuation(frame.water.type));
     out.water.floor_reflectance = narrow(look.floor);
     out.water.floor_attenuation_per_m = narrow(look.floor_attenuation_per_m);
 }

@@ -39,8 +39,13 @@ const glm::dvec3 north_sea_bubbles(0.10, 0.32, 0.30);
 // other waters.
 constexpr double crest_white = 0.107, crest_path_m = 5.5;
 constexpr double bubbles_white = 0.53, bubbles_path_m = 4.2;
-/// Attenuation by colour is that of light that went so far: further, red is outside of sRGB.
 constexpr double colour_path_m = 4;
+/// Light that lost all but one hue is outside of sRGB. On its way there a colour goes through 0, where a logarithm
+/// says nothing of water: attenuation is taken where it has come down to so much of the brightest.
+constexpr double least_of_brightest = 0.05;
+
+constexpr double first_nm = 400, step_nm = 5;
+constexpr std::size_t seen_bands = 61;
 
 /// Planck's law at 5778 K, in parts of what it is at 550 nm.
 double daylight(double nm) {
@@ -56,16 +61,43 @@ double between(const WaterSpectrum& spectrum, double nm) {
     return (1 - t) * spectrum[low] + t * spectrum[low + 1];
 }
 
-/// Sum over what eyes see; `share` of a wavelength in nm.
+using Seen = std::array<glm::dvec3, seen_bands>;
+
+Seen seen_of_daylight() {
+    Seen all{};
+    for (std::size_t i = 0; i < seen_bands; ++i) {
+        const double nm = first_nm + step_nm * static_cast<double>(i);
+        all[i] = daylight(nm) * eye_curves(nm);
+    }
+    return all;
+}
+
+/// Sum over what eyes see, below 0 outside of sRGB; `share` of a wavelength in nm.
 template <class F>
 glm::dvec3 colour(const F& share) {
+    static const Seen seen = seen_of_daylight();
     glm::dvec3 sum(0), white(0);
-    for (double nm = 400; nm <= 700; nm += 5) {
-        const glm::dvec3 seen = daylight(nm) * eye_curves(nm);
-        sum += share(nm) * seen;
-        white += seen;
+    for (std::size_t i = 0; i < seen_bands; ++i) {
+        sum += share(first_nm + step_nm * static_cast<double>(i)) * seen[i];
+        white += seen[i];
     }
-    return glm::max(sum / white, glm::dvec3(0));
+    return sum / white;
+}
+
+bool tells_of_water(const glm::dvec3& left, int c) {
+    return left[c] > 0 && left[c] >= least_of_brightest * std::max({left.r, left.g, left.b});
+}
+
+/// The longest way within far_m of which `tells` holds, which it does of short ones.
+template <class F>
+double longest_m(double far_m, const F& tells) {
+    constexpr int halvings = 24; // to a millimetre of the deepest ocean
+    double near_m = 0;
+    for (int i = 0; i < halvings; ++i) {
+        const double middle_m = 0.5 * (near_m + far_m);
+        (tells(middle_m) ? near_m : far_m) = middle_m;
+    }
+    return near_m;
 }
 
 /// Left of white by a way through water.
@@ -116,15 +148,30 @@ double floor_reflectance_above(double albedo) {
 }
 
 glm::dvec3 colour_of(const WaterSpectrum& shares) {
-    return colour([&](double nm) { return between(shares, nm); });
+    return glm::max(colour([&](double nm) { return between(shares, nm); }), glm::dvec3(0));
 }
 
 glm::dvec3 attenuation_rgb_per_m(sea::WaterType type, double path_m) {
-    constexpr double least = 1e-30; // black
     const WaterSpectrum per_m = diffuse_attenuation_per_m(type);
-    const glm::dvec3 left =
-        colour([&](double nm) { return std::exp(-path_m * between(per_m, nm)); });
-    return -glm::log(glm::max(left, glm::dvec3(least))) / path_m;
+    const auto left = [&](double way_m) {
+        return colour([&](double nm) { return std::exp(-way_m * between(per_m, nm)); });
+    };
+    const glm::dvec3 whole = left(path_m);
+    glm::dvec3 out(0);
+    for (int c = 0; c < 3; ++c)
+        if (tells_of_water(whole, c)) {
+            out[c] = -std::log(whole[c]) / path_m;
+        } else {
+            const double way_m = longest_m(
+                path_m, [&](double middle_m) { return tells_of_water(left(middle_m), c); });
+            out[c] = -std::log(left(way_m)[c]) / way_m;
+        }
+    return out;
+}
+
+double slant_of_attenuation(sea::WaterType type) {
+    constexpr double slant = 1.18; ///< 45 degrees in air: 31.9 from the vertical in water
+    return type == sea::WaterType::north_sea || type < sea::WaterType::coastal_1 ? 1 : slant;
 }
 
 WaterLook water_look(const sea::Water& water, double depth_m, double wave_m) {

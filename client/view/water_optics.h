@@ -14,7 +14,7 @@
 // KD2S of 2009) within a third. Brightness hangs on particles and varies by a factor of 1.5 between waters of one type;
 // coasts with mineral silt are two to five times as bright as 5C to 9C here, which are stained rather than muddy.
 //
-// Pure functions, some 20 us each; thread-safe.
+// Pure functions, up to 0.1 ms each; thread-safe.
 #pragma once
 
 #include <array>
@@ -48,8 +48,14 @@ double floor_reflectance_above(double albedo);
 /// Eyes of CIE 1931 (Wyman 2013), a sun of 5778 K.
 glm::dvec3 colour_of(const WaterSpectrum& shares);
 
-/// Attenuation by colour, 1/m: exact for light that went so far, and near that.
+/// Attenuation by colour, 1/m: exact for light that went so far, and near that. Of a colour of which less would be left than a
+/// twentieth of the brightest, and on longer ways less than none, that of the way that leaves a twentieth. Does not jump
+/// with the way, and is never above Kd's largest.
 glm::dvec3 attenuation_rgb_per_m(sea::WaterType type, double path_m);
+
+/// Way over depth of the daylight of which Jerlov's Kd is: 1 in oceans, measured with the sun in the zenith; his coastal types are
+/// for 45 degrees (Jerlov 1976, as fig. 6.18 of Stewart's Introduction to Physical Oceanography has them).
+double slant_of_attenuation(sea::WaterType type);
 
 /// What shaders are told of water.
 struct WaterLook {

@@ -167,7 +167,7 @@ struct SEAWAY_STD140_ELEMENT WaterValues {
     vec3 crest;             ///< of light that shines through a crest, what comes out
     int floor_seen;         ///< 1: through the water
     vec3 bubbles;           ///< of light on water full of bubbles, likewise
-    float down_path;        ///< of daylight to the floor, over the depth
+    float down_path;        ///< of daylight over the depth, in such ways as attenuation is for
     vec3 floor_reflectance; ///< of the sea floor, above the surface, through no water
     float unused_6;
     vec3 floor_attenuation_per_m; ///< of light that has been there

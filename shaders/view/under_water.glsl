@@ -2,10 +2,14 @@
 // What an eye under water sees: the surface from below, the sea floor, and light that the water scatters before them.
 //
 // One coefficient K, of daylight going down, stands for all that water takes: what is scattered forward is not lost to what
-// is wide. Light scattered from a metre of water is as bright in all directions, s K R Ed / pi with s = 1 / (2 (1 - ln 2)): what deep
-// water sends up along a cosine m is then s / (1 + m) of R Ed / pi, and all of it together R Ed. Straight up it is Q = 2 pi / s = 3.86.
+// is wide. Light scattered from a metre of water is as bright in all directions, s K R Ed / pi. With Ed ~ exp(-K p depth), what
+// deep water sends up along a cosine m is s / (1 + p m) of R Ed / pi, and all of it together R Ed where s = p^2 / (2 (p - ln(1 + p))).
+// With p = 1 straight up is Q = 2 pi / s = 3.86.
 
-const float scattered_evenly = 1.6294457;
+float scattered_evenly() {
+    const float p = view.water.down_path;
+    return p * p / (2.0 * (p - log(1.0 + p)));
+}
 
 /// R: light going up over light going down; of what comes out above the surface (client/view/water_optics.h).
 vec3 below_surface(vec3 reflectance) { return reflectance / (0.41 + 0.48 * reflectance); }
@@ -15,15 +19,16 @@ vec3 floor_albedo(vec3 reflectance) { return reflectance / (0.52 + 0.48 * reflec
 /// Daylight on the level at a depth, klx.
 vec3 daylight_at(float depth_m) {
     const vec3 down = view.sky_irradiance_klx + beam_klx * max(view.sun_direction.z, 0.0);
-    return 0.94 * down * exp(-view.water.attenuation_per_m * depth_m);
+    return 0.94 * down * daylight_left(view.water.attenuation_per_m, depth_m);
 }
 
 /// Light scattered towards the eye on a way of so many metres from a depth; up: sine of the way's elevation.
 vec3 scattered_before(float depth_m, float up, float way_m) {
-    const vec3 k = view.water.attenuation_per_m;
-    const float lost = max(1.0 - up, 0.02); // a way up meets brighter water
-    return scattered_evenly / pi * below_surface(view.water_reflectance) * daylight_at(depth_m) * (1.0 - exp(-k * lost * way_m)) /
-           lost;
+    const float lost = 1.0 - view.water.down_path * up; // a way up meets brighter water
+    const float divisor = abs(lost) < 0.01 ? 0.01 : lost;
+    // What the end of the way adds, as the daylight of a depth: one exponential, which does not overflow.
+    const vec3 end = daylight_at(depth_m + divisor * way_m / view.water.down_path);
+    return scattered_evenly() / pi * below_surface(view.water_reflectance) * (daylight_at(depth_m) - end) / divisor;
 }
 
 /// Water and floor, along a direction that is not towards the surface.

@@ -25,6 +25,11 @@ vec3 out_of_water(vec3 reflectance) {
     return reflectance * down / pi;
 }
 
+/// Share of daylight that comes down to a depth.
+vec3 daylight_left(vec3 attenuation_per_m, float depth_m) {
+    return exp(-attenuation_per_m * (view.water.down_path * depth_m));
+}
+
 /// Sand lies in patches: its reflectance varies by so much.
 const float patches_of_floor = 0.35;
 
@@ -42,8 +47,9 @@ vec3 water_reflectance(vec3 to_eye, vec3 normal, Place place) {
         const float patchy = (noise(at_m, -3) - 0.5) * seen_share(-3, pixel_m) +
                              0.5 * (noise(at_m + 19.0, 0) - 0.5) * seen_share(0, pixel_m);
         const vec3 floor_there = view.water.floor_reflectance * (1.0 + patches_of_floor * patchy);
-        const float path_m = depth_m * (up_path + view.water.down_path);
-        reflectance = mix(reflectance, floor_there, exp(-view.water.floor_attenuation_per_m * path_m));
+        const vec3 k = view.water.floor_attenuation_per_m;
+        const vec3 left = exp(-k * (depth_m * up_path)) * daylight_left(k, depth_m);
+        reflectance = mix(reflectance, floor_there, left);
     }
     return reflectance;
 }

@@ -73,4 +73,13 @@ inline double luminance(const float* pixel) {
            0.0722 * static_cast<double>(pixel[2]);
 }
 
+/// The way of daylight down over the depth: of the beam, bent by the surface, and of light from all over the sky, whose mean
+/// cosine under water is 0.86.
+inline double way_of_daylight(const Sky& sky) {
+    const double up = sky.sun_direction().z;
+    const double beam = luminance_of(sky.sun_irradiance()) * up;
+    const double share = beam / (beam + luminance_of(sky.sky_irradiance()));
+    return share / std::cos(std::asin(std::sqrt(1 - up * up) / 1.34)) + (1 - share) / 0.86;
+}
+
 } // namespace seaway::client

@@ -65,6 +65,7 @@ TEST_F(UnderWaterTest, the_sky_is_seen_within_snells_window_and_dark_water_aroun
 TEST_F(UnderWaterTest, deep_water_darkens_with_depth_as_its_attenuation_says) {
     const SeaFrame frame = flat_sea();
     const glm::dvec3 k = attenuation_per_m(frame);
+    const double way = way_of_daylight(noon_);
     for (const double pitch_deg : {-89.0, -30.0, 0.0}) {
         camera_.pitch_deg = pitch_deg;
         camera_.z_m = -4;
@@ -72,13 +73,13 @@ TEST_F(UnderWaterTest, deep_water_darkens_with_depth_as_its_attenuation_says) {
         camera_.z_m = -12;
         const glm::dvec3 deep = middle(frame, noon_);
         for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(deep[c] / shallow[c] / std::exp(-8 * k[c]), 1, 0.01)
+            EXPECT_NEAR(deep[c] / shallow[c] / std::exp(-8 * way * k[c]), 1, 0.01)
                 << pitch_deg << " channel " << c;
     }
 }
 
 // All that comes up at a depth, from the half of directions below, is R of what goes down there: R is that, and nothing
-// else. By Gauss-Legendre over the cosine m, 4 nodes, of a light that goes as 1 / (1 + m).
+// else. By Gauss-Legendre over the cosine m, 4 nodes, of a light that goes as 1 / (1 + p m), p the way of daylight over depth.
 TEST_F(UnderWaterTest, deep_water_sends_up_its_reflectance_of_what_goes_down) {
     const SeaFrame frame = flat_sea();
     const glm::dvec3 k = attenuation_per_m(frame);
@@ -98,7 +99,9 @@ TEST_F(UnderWaterTest, deep_water_sends_up_its_reflectance_of_what_goes_down) {
     }
     for (int c = 0; c < 3; ++c) {
         const double below = above[c] / (0.41 + 0.48 * above[c]);
-        EXPECT_NEAR(up[c] / (below * 0.94 * down[c] * std::exp(-2 * k[c])), 1, 0.01) << c;
+        EXPECT_NEAR(up[c] / (below * 0.94 * down[c] * std::exp(-2 * way_of_daylight(noon_) * k[c])),
+                    1, 0.01)
+            << c;
     }
 }
 

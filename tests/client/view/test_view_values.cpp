@@ -80,7 +80,12 @@ TEST(ViewValues, water_is_that_of_the_frame) {
     // The sun at this hour stands 15.7 degrees high, 45.9 from the zenith in water: 1.437; light of the sky 1 / 0.86.
     const double beam = luminance_of(shown.sky.sun_irradiance()) * sun_direction(16.5).z;
     const double share = beam / (beam + luminance_of(shown.sky.sky_irradiance()));
-    EXPECT_NEAR(v.water.down_path, share * 1.437 + (1 - share) * 1.163, 1e-3);
+    const double down_path = share * 1.437 + (1 - share) * 1.163;
+    EXPECT_NEAR(v.water.down_path, down_path, 1e-3);
+    Shown coast;
+    coast.frame.water.type = sea::WaterType::coastal_1;
+    EXPECT_NEAR(coast.values().water.down_path, down_path / 1.18, 1e-3)
+        << "a slant is in its attenuation already";
 }
 
 TEST(ViewValues, every_value_is_the_one_of_its_name) {

@@ -68,6 +68,36 @@ TEST_F(WaterTest, an_eye_under_water_sees_the_albedo_of_the_floor) {
         EXPECT_NEAR(whole[c] / half[c], 2, 0.01) << c; // single precision
 }
 
+// A floor 3 m further down has lost the same daylight to an eye above the surface and to one a metre above the floor. The
+// attenuation of coasts is of light that goes 1.18 of the depth.
+TEST_F(WaterTest, daylight_on_the_floor_is_the_same_from_above_and_from_below) {
+    for (const auto& [type, slant] :
+         {std::pair{sea::WaterType::jerlov_3, 1.0}, {sea::WaterType::coastal_1, 1.18}}) {
+        const auto below = [&](double albedo, double depth_m) {
+            SeaFrame frame = flat_sea();
+            frame.water = {type, {albedo, albedo, albedo}};
+            frame.depth_m = depth_m;
+            frame.significant_height_m = 0.1;
+            camera_.z_m = 1 - depth_m;
+            camera_.pitch_deg = -89;
+            const Picture picture = render(frame, sky_, DebugView::final, {.air = false});
+            return static_cast<double>(picture.pixel(picture.width / 2, picture.height / 2)[1]);
+        };
+        const double way = way_of_daylight(sky_) / slant;
+        const double three = below(0.8, 3) - below(0, 3), six = below(0.8, 6) - below(0, 6);
+        const WaterLook near = water_look({type}, 3, 0);
+        EXPECT_NEAR(six / three / std::exp(-3 * way * near.attenuation_per_m.g), 1, 0.01);
+        const auto above = [&](double depth_m) {
+            return straight_down({type, {1, 1, 1}}, depth_m).g -
+                   straight_down({type, {0.5, 0.5, 0.5}}, depth_m).g;
+        };
+        const double k3 = near.floor_attenuation_per_m.g;
+        const double k6 = water_look({type}, 6, 0).floor_attenuation_per_m.g;
+        constexpr double up = 1.015; // of rays within 20 degrees of the vertical in air, in water
+        EXPECT_NEAR(above(6) / above(3) / std::exp(-(6 * k6 - 3 * k3) * (way + up)), 1, 0.01);
+    }
+}
+
 TEST_F(WaterTest, a_lagoon_over_sand_is_turquoise_and_brighter_than_the_deep) {
     for (const sea::WaterType type : {sea::WaterType::jerlov_1b, sea::WaterType::jerlov_2}) {
         const glm::dvec3 lagoon = straight_down({type}, 2), deep = straight_down({type}, deep_m);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -168,6 +169,46 @@ TEST(WaterOptics, attenuation_by_colour_is_that_of_the_spectrum) {
         EXPECT_GT(k, *std::min_element(per_m.begin() + 4, per_m.begin() + 9));
         EXPECT_LT(k, *std::max_element(per_m.begin() + 4, per_m.begin() + 9));
     }
+}
+
+// Of light that has lost all but one hue a colour comes to nothing and below; what is said of water then is what it did on a
+// shorter way: no leap where the colour goes, and nothing that no wavelength loses.
+TEST(WaterOptics, attenuation_by_colour_does_not_jump_with_the_way_and_is_one_of_the_spectrum) {
+    for (const WaterType type : jerlov_types()) {
+        const WaterSpectrum per_m = diffuse_attenuation_per_m(type);
+        const double most = *std::max_element(per_m.begin(), per_m.end());
+        glm::dvec3 before = attenuation_rgb_per_m(type, 0.25);
+        for (double path_m = 0.25; path_m < 64; path_m *= 1.01) {
+            const glm::dvec3 k = attenuation_rgb_per_m(type, path_m);
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(k[c] / before[c], 1, 0.015)
+                    << static_cast<int>(type) << " channel " << c << " after " << path_m;
+                EXPECT_GT(k[c], 0.009) << "half of the clearest water's least: of blue in type I";
+                EXPECT_LT(k[c], most) << static_cast<int>(type) << " channel " << c;
+            }
+            before = k;
+        }
+    }
+    EXPECT_NEAR(attenuation_rgb_per_m(WaterType::coastal_9, 4).b, 1.9, 0.1);
+    EXPECT_NEAR(attenuation_rgb_per_m(WaterType::jerlov_1, 10).r, 0.42, 0.05);
+}
+
+TEST(WaterOptics, a_way_in_the_deepest_ocean_has_an_attenuation) {
+    for (const WaterType type : jerlov_types())
+        for (int c = 0; c < 3; ++c) {
+            const double k = attenuation_rgb_per_m(type, 22e3)[c];
+            EXPECT_TRUE(k > 0.01 && k < 2.4)
+                << static_cast<int>(type) << " channel " << c << ": " << k;
+        }
+}
+
+// 45 degrees in air are 31.9 in water.
+TEST(WaterOptics, coastal_attenuation_is_of_slanting_light_and_oceanic_of_light_from_the_zenith) {
+    for (const WaterType type : {WaterType::north_sea, WaterType::jerlov_1, WaterType::jerlov_3})
+        EXPECT_EQ(slant_of_attenuation(type), 1);
+    for (const WaterType type : {WaterType::coastal_1, WaterType::coastal_9})
+        EXPECT_NEAR(slant_of_attenuation(type),
+                    1 / std::cos(std::asin(std::sin(std::numbers::pi / 4) / 1.34)), 0.003);
 }
 
 // The default is what was drawn before waters had types, to the bit; its crests and bubbles are a rule for others.
