@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "base/messages.h"
 #include "base/text_file.h"
+#include "base/whole_file.h"
 #include "client/view/look_keys.h"
 
 namespace seaway::client {
@@ -276,8 +274,6 @@ Result<void> write_look(const Look& look, const std::string& path) {
     };
     if (path.empty())
         return failed("no name");
-    if (const Result<void> free = check_replaceable(path); !free)
-        return failed(free.error().message);
     Look beside_it = look;
     if (!look.environment.empty()) {
         namespace fs = std::filesystem;
@@ -288,23 +284,8 @@ Result<void> write_look(const Look& look, const std::string& path) {
         if (!is_sky_name(beside_it.environment))
             return failed("sky.environment: this name is not allowed; allowed: " + sky_names());
     }
-    const std::string beside = path + ".part";
-    if (const Result<void> free = check_replaceable(beside); !free)
-        return failed(beside + " " + free.error().message);
-    std::FILE* file = std::fopen(beside.c_str(), "wb");
-    if (file == nullptr)
-        return failed(std::generic_category().message(errno));
-    const std::string text = to_toml(beside_it);
-    bool fine = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-    fine = std::fclose(file) == 0 && fine;
-    std::error_code problem;
-    if (fine)
-        std::filesystem::rename(beside, path, problem);
-    if (fine && !problem)
-        return {};
-    std::error_code ignored;
-    std::filesystem::remove(beside, ignored);
-    return failed(problem ? problem.message() : "the disk took less than was written");
+    const Result<void> written = write_whole_file(path, to_toml(beside_it));
+    return written ? written : failed(written.error().message);
 }
 
 Result<Exposure> parse_exposure(std::string_view text) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The files that a Picture becomes.
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <functional>
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -13,14 +13,22 @@
 #include <OpenEXR/ImfStdIO.h>
 #include <png.h>
 
-#include "base/text_file.h"
+#include "base/whole_file.h"
 #include "client/view/picture.h"
 
 namespace seaway::client {
 
+namespace {
+
+Result<void> write(const std::string& path,
+                   const std::function<Result<void>(const std::string&)>& beside) {
+    const Result<void> written = write_whole_file(path, beside);
+    return written ? written : Error{"cannot write " + path + ": " + written.error().message};
+}
+
+} // namespace
+
 Result<void> write_png(const ShownPicture& picture, const std::string& path) {
-    if (const Result<void> file = check_replaceable(path); !file)
-        return Error{"cannot write " + path + ": " + file.error().message};
     std::vector<std::uint8_t> bytes; // without alpha
     bytes.reserve(picture.rgba.size() / 4 * 3);
     for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
@@ -30,13 +38,14 @@ Result<void> write_png(const ShownPicture& picture, const std::string& path) {
     image.width = static_cast<png_uint_32>(picture.width);
     image.height = static_cast<png_uint_32>(picture.height);
     image.format = PNG_FORMAT_RGB;
-    errno = 0;
-    if (png_image_write_to_file(&image, path.c_str(), 0, bytes.data(), 0, nullptr) == 0) {
+    return write(path, [&](const std::string& beside) -> Result<void> {
+        errno = 0;
+        if (png_image_write_to_file(&image, beside.c_str(), 0, bytes.data(), 0, nullptr) != 0)
+            return {};
         const std::string why = errno != 0 ? std::strerror(errno) : image.message;
         png_image_free(&image);
-        return Error{"cannot write " + path + ": " + why};
-    }
-    return {};
+        return Error{why};
+    });
 }
 
 namespace {
@@ -62,26 +71,22 @@ void write_numbers(const Picture& picture, std::ofstream& file, const std::strin
 } // namespace
 
 Result<void> write_exr(const Picture& picture, const std::string& path) {
-    if (const Result<void> file = check_replaceable(path); !file)
-        return Error{"cannot write " + path + ": " + file.error().message};
-    errno = 0;
-    std::ofstream file(path, std::ios::binary);
-    if (!file)
-        return Error{"cannot write " + path + ": " + std::strerror(errno)};
-    std::string why;
-    try {
-        write_numbers(picture, file, path);
-    } catch (const std::exception& failure) {
-        why = failure.what();
-    }
-    // The library says nothing of what it writes last.
-    file.close();
-    if (why.empty() && !file)
-        why = errno != 0 ? std::strerror(errno) : "it does not fit";
-    if (why.empty())
+    return write(path, [&](const std::string& beside) -> Result<void> {
+        errno = 0;
+        std::ofstream file(beside, std::ios::binary);
+        if (!file)
+            return Error{std::strerror(errno)};
+        try {
+            write_numbers(picture, file, beside);
+        } catch (const std::exception& failure) {
+            return Error{failure.what()};
+        }
+        // The library says nothing of what it writes last.
+        file.close();
+        if (!file)
+            return Error{errno != 0 ? std::strerror(errno) : "it does not fit"};
         return {};
-    std::remove(path.c_str());
-    return Error{"cannot write " + path + ": " + why};
+    });
 }
 
 } // namespace seaway::client

@@ -2,18 +2,15 @@
 #include "tools/bake/mesh.h"
 
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "base/whole_file.h"
 
 namespace seaway::bake {
 
@@ -120,24 +117,6 @@ std::string ply_bytes(const Mesh& mesh) {
     return bytes;
 }
 
-Result<void> write_whole(const std::string& path, const std::string& bytes) {
-    const std::string unfinished = path + ".part";
-    errno = 0;
-    std::ofstream file(unfinished, std::ios::binary);
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    std::error_code error;
-    if (!file)
-        error = {errno != 0 ? errno : EIO, std::generic_category()};
-    else
-        std::filesystem::rename(unfinished, path, error);
-    if (error) {
-        std::remove(unfinished.c_str());
-        return Error{fmt::format("{}: {}", path, error.message())};
-    }
-    return {};
-}
-
 } // namespace
 
 Result<MeshFormat> mesh_format(std::string_view name) {
@@ -153,7 +132,9 @@ Result<MeshFormat> mesh_format(std::string_view name) {
 Result<void> write_mesh(const std::string& path, const sea::Keyframe& tile,
                         const sea::Choppiness& choppiness, const MeshOptions& options) {
     const Mesh mesh = MeshBuilder(tile, choppiness, options).build();
-    return write_whole(path, options.format == MeshFormat::obj ? obj_text(mesh) : ply_bytes(mesh));
+    const Result<void> written = write_whole_file(
+        path, options.format == MeshFormat::obj ? obj_text(mesh) : ply_bytes(mesh));
+    return written ? written : Error{fmt::format("{}: {}", path, written.error().message)};
 }
 
 } // namespace seaway::bake

@@ -3,13 +3,13 @@
 
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <exception>
-#include <filesystem>
 #include <fstream>
 
 #include <fmt/format.h>
+
+#include "base/whole_file.h"
 
 // The library's headers are not clean under our warnings.
 #pragma GCC diagnostic push
@@ -96,10 +96,8 @@ Result<void> write_pixels(const std::string& path, const ExrMap& map) {
         }
         rounded[c] = halves(values);
         if (rounded[c].empty())
-            return Error{
-                fmt::format("{}: a value of {} is beyond 65504 and does not fit into half; "
-                            "bake floats",
-                            path, name)};
+            return Error{fmt::format(
+                "a value of {} is beyond 65504 and does not fit into half; bake floats", name)};
         auto* base = reinterpret_cast<char*>(rounded[c].data());
         pixels.insert(name, Imf::Slice(Imf::HALF, base, sizeof(half), sizeof(half) * width));
     }
@@ -114,8 +112,7 @@ Result<void> write_pixels(const std::string& path, const ExrMap& map) {
     // The library says nothing of what it writes last.
     file.close();
     if (!file)
-        return Error{
-            fmt::format("{}: {}", path, errno != 0 ? std::strerror(errno) : "it does not fit")};
+        return Error{errno != 0 ? std::strerror(errno) : "it does not fit"};
     return {};
 }
 
@@ -134,18 +131,15 @@ Result<ExrCompression> exr_compression(std::string_view name) {
 }
 
 Result<void> write_exr(const std::string& path, const ExrMap& map) {
-    const std::string unfinished = path + ".part";
-    Result<void> written;
-    try {
-        written = write_pixels(unfinished, map);
-        if (written)
-            std::filesystem::rename(unfinished, path);
-    } catch (const std::exception& error) { // the library's and the file system's
-        written = Error{fmt::format("{}: {}", path, error.what())};
-    }
-    if (!written)
-        std::remove(unfinished.c_str());
-    return written;
+    const auto write = [&](const std::string& beside) -> Result<void> {
+        try {
+            return write_pixels(beside, map);
+        } catch (const std::exception& error) { // the library's
+            return Error{error.what()};
+        }
+    };
+    const Result<void> written = write_whole_file(path, write);
+    return written ? written : Error{fmt::format("{}: {}", path, written.error().message)};
 }
 
 } // namespace seaway::exr

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include "base/text_file.h"
+#include "base/whole_file.h"
 #include "tools/plot/lettering.h"
 
 namespace seaway::plot {
@@ -238,16 +238,21 @@ Color Canvas::pixel(int x, int y) const {
 }
 
 Result<void> Canvas::write_png(const std::string& path) const {
-    if (const Result<void> file = check_replaceable(path); !file)
-        return Error{fmt::format("cannot write picture '{}': {}", path, file.error().message)};
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = static_cast<png_uint_32>(width_);
     image.height = static_cast<png_uint_32>(height_);
     image.format = PNG_FORMAT_RGB;
-    if (png_image_write_to_file(&image, path.c_str(), 0, rgb_.data(), 3 * width_, nullptr) == 0)
-        return Error{fmt::format("cannot write picture '{}': {}", path, image.message)};
-    return {};
+    const auto write = [&](const std::string& beside) -> Result<void> {
+        if (png_image_write_to_file(&image, beside.c_str(), 0, rgb_.data(), 3 * width_, nullptr) ==
+            0)
+            return Error{image.message};
+        return {};
+    };
+    const Result<void> written = write_whole_file(path, write);
+    return written
+               ? written
+               : Error{fmt::format("cannot write picture '{}': {}", path, written.error().message)};
 }
 
 } // namespace seaway::plot

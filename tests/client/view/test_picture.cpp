@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include "base/text_file.h"
 #include "client/view/picture.h"
 #include "client/view/view_options.h"
 #include "tests/support/folder.h"
@@ -72,17 +73,36 @@ TEST(Picture, exr_keeps_every_number) {
         << "beyond the white of a display";
 }
 
-TEST(Picture, an_exr_that_does_not_fit_on_the_disk_is_an_error_to_the_last_byte) {
+std::string bytes_of(const std::string& path) {
+    const Result<std::string> bytes = read_text_file(path, 1 << 20);
+    return bytes ? *bytes : bytes.error().message;
+}
+
+TEST(Picture, an_exr_that_does_not_fit_is_an_error_to_the_last_byte_and_the_one_before_stays) {
     const std::string path = tests::folder().file("full.exr");
     ASSERT_TRUE(write_exr(ramp(), path));
+    const std::string before = bytes_of(path);
     const std::size_t whole = std::filesystem::file_size(path);
     for (const std::size_t missing : {std::size_t{1}, std::size_t{64}, whole}) {
         const Result<void> written =
             tests::on_full_disk(whole - missing, [&] { return write_exr(ramp(), path); });
         ASSERT_FALSE(written) << missing;
         EXPECT_THAT(written.error().message, testing::HasSubstr(path));
-        EXPECT_FALSE(std::filesystem::exists(path)) << missing;
+        EXPECT_EQ(bytes_of(path), before) << missing;
+        EXPECT_FALSE(std::filesystem::exists(path + ".part")) << missing;
     }
+}
+
+TEST(Picture, a_png_that_does_not_fit_leaves_the_one_before) {
+    const std::string path = tests::folder().file("full.png");
+    ASSERT_TRUE(write_png({1, 1, {1, 2, 3, 255}}, path));
+    const std::string before = bytes_of(path);
+    const auto white = [&] { return write_png({1, 1, {255, 255, 255, 255}}, path); };
+    EXPECT_FALSE(tests::on_full_disk(before.size() - 1, white));
+    EXPECT_EQ(bytes_of(path), before);
+    EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+    EXPECT_TRUE(white());
+    EXPECT_NE(bytes_of(path), before);
 }
 
 // Naive: it is opened for writing, and waits for somebody who reads.

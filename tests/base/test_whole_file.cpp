@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A file is there whole or as it was, and nothing lies beside it.
+#include "base/whole_file.h"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "base/text_file.h"
+#include "tests/support/folder.h"
+#include "tests/support/full_disk.h"
+
+namespace seaway {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string bytes_of(const std::string& path) {
+    const Result<std::string> text = read_text_file(path, 1 << 20);
+    return text ? *text : "no file: " + text.error().message;
+}
+
+TEST(WholeFile, takes_its_name_when_it_is_whole) {
+    const std::string path = tests::folder().file("whole.txt");
+    ASSERT_TRUE(write_whole_file(path, "first"));
+    EXPECT_EQ(bytes_of(path), "first");
+    const auto while_written = [&](const std::string& beside) -> Result<void> {
+        EXPECT_TRUE(write_whole_file(beside, "second"));
+        EXPECT_EQ(bytes_of(path), "first");
+        return {};
+    };
+    ASSERT_TRUE(write_whole_file(path, while_written));
+    EXPECT_EQ(bytes_of(path), "second");
+    EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+}
+
+TEST(WholeFile, is_as_it_was_when_writing_fails) {
+    const std::string path = tests::folder().file("kept.txt");
+    ASSERT_TRUE(write_whole_file(path, "before"));
+    const std::string much(4096, 'x');
+    const Result<void> full =
+        tests::on_full_disk(100, [&] { return write_whole_file(path, much); });
+    ASSERT_FALSE(full);
+    EXPECT_THAT(full.error().message, HasSubstr("File too large"));
+    const auto thrower = [](const std::string& beside) -> Result<void> {
+        EXPECT_TRUE(write_whole_file(beside, "half"));
+        throw std::runtime_error("in the middle");
+    };
+    EXPECT_THROW((void)write_whole_file(path, thrower), std::runtime_error);
+    EXPECT_EQ(bytes_of(path), "before");
+    EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+}
+
+TEST(WholeFile, replaces_nothing_but_files) {
+    const std::string folder = tests::folder().file("folder");
+    std::filesystem::create_directories(folder);
+    EXPECT_THAT(write_whole_file(folder, "x").error().message, HasSubstr("is a folder"));
+    const std::string path = tests::folder().file("beside.txt");
+    ASSERT_EQ(mkfifo((path + ".part").c_str(), 0600), 0);
+    EXPECT_THAT(write_whole_file(path, "x").error().message,
+                ::testing::AllOf(HasSubstr("beside.txt.part"), HasSubstr("is a pipe")));
+    EXPECT_TRUE(std::filesystem::exists(path + ".part"));
+}
+
+} // namespace
+} // namespace seaway
