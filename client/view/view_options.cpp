@@ -83,7 +83,7 @@ Result<void> read_camera(const std::string& text, Camera& camera) {
 
 Result<void> read_time(const std::string& text, ViewOptions& options) {
     double time_s = 0;
-    if (text == "now")
+    if (text.empty() || text == "now")
         return {};
     SEAWAY_TRY(require(parse_number(text, time_s) && std::abs(time_s) <= time_max_s,
                        fmt::format("--time {}: 'now', or sea time in seconds between {:g} and {:g}",
@@ -94,7 +94,7 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
 
 /// Options that need reading once more.
 struct Words {
-    std::string size, window, camera, debug = "final", time = "now", quality;
+    std::string size, window, camera, debug = "final", time, quality;
     double timeout_s = std::numeric_limits<double>::quiet_NaN();
     LookWords look;
     bool list = false;
@@ -146,7 +146,7 @@ Result<void> check_window(const Words& words, const ViewOptions& options) {
         {options.bench_frames != 0, "--bench"},
         {!options.path.empty(), "--path"},
         {options.turntable, "--turntable"},
-        {words.time != "now" && options.scene.empty(), "--time"},
+        {!words.time.empty() && words.time != "now" && options.scene.empty(), "--time"},
         {options.sheet, "--debug all"}};
     for (const auto& [given, name] : of_files)
         SEAWAY_TRY(require(!given, fmt::format("{} is of pictures in files: give --offscreen "
@@ -167,6 +167,7 @@ Result<void> check_source(const Words& words, const ViewOptions& options) {
         {!options.token_file.empty(), "--token-file"},
         {!options.ca_file.empty(), "--ca-file"},
         {!std::isnan(words.timeout_s), "--timeout"},
+        {words.time == "now", "--time now"},
         {options.limits.rate_hz_max != 0, "--rate-max"},
         {options.limits.size_max != 0, "--size-max"}};
     for (const auto& [given, name] : of_servers)
@@ -209,6 +210,8 @@ Result<void> take(const Words& words, ViewOptions& options) {
     options.look_path = words.look.path;
     SEAWAY_TRY(words.look.take(options.look, options.cell_pixels));
     options.quality = options.as_dense(options.quality);
+    if (options.offscreen && options.out.ends_with(".exr"))
+        options.quality.scale = 1; // numbers are not enlarged: there are as many as were asked for
     return check(words, options);
 }
 

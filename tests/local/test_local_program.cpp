@@ -95,6 +95,7 @@ TEST(LocalProgram, says_in_one_line_what_is_wrong) {
         {"--scene " + scene + files + " --rate-max 2", "--rate-max is of a server"},
         {"--scene " + scene + files + " --size-max 128", "--size-max is of a server"},
         {"--scene " + scene + files + " --timeout 3", "--timeout is of a server"},
+        {"--scene " + scene + files + " --time now", "--time now is of a server"},
         {"--scene " + scene + files + " --token-file " + scene, "--token-file is of a server"},
         {"--scene " + scene + files + " --ca-file " + scene, "--ca-file is of a server"},
         {"--scene " + scene + bench + " --debug h0:cascade=0", "--debug h0:cascade=0 and --bench"},

@@ -38,6 +38,15 @@ std::variant<ViewOptions, int> read(const std::string& more) {
     return read_view_options(static_cast<int>(argv.size()), argv.data());
 }
 
+// Pictures of a quality that draws fewer pixels are enlarged, numbers are not.
+TEST(ViewOptions, an_exr_is_drawn_at_the_size_that_was_asked_for) {
+    for (const Quality& quality : quality_table) {
+        const std::string words = "--quality " + std::string(quality.name) + " --out a";
+        EXPECT_EQ(std::get<ViewOptions>(read(words + ".exr")).quality.scale, 1) << quality.name;
+        EXPECT_EQ(std::get<ViewOptions>(read(words + ".png")).quality.scale, quality.scale);
+    }
+}
+
 TEST(ViewOptions, every_option_reaches_its_own_value) {
     const auto read_as =
         read("--offscreen 320x200 --frames 7 --camera 11,-22,33,44,-55 --time-of-day 8.5 "

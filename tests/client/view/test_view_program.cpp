@@ -114,6 +114,19 @@ TEST(ViewProgram, says_when_there_is_no_server) {
     EXPECT_EQ(lines_of(outcome.text), 1) << outcome.text;
 }
 
+TEST(ViewProgram, an_exr_has_the_size_that_was_asked_for_in_every_quality) {
+    tests::WaveSea sea;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
+    for (const char* quality : {"low", "default"}) {
+        const std::string path = tests::folder().file(std::string(quality) + ".exr");
+        const Outcome outcome = run(net->url() + " --offscreen 96x64 --time 1000.5 --quality " +
+                                    quality + " --out " + path);
+        ASSERT_EQ(outcome.code, 0) << outcome.text;
+        EXPECT_EQ(read_exr(path, 96, 64).rgba.size(), 4u * 96 * 64);
+    }
+}
+
 TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea) {
     tests::WaveSea sea;
     const auto net = tests::serve(sea);
