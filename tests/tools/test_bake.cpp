@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -346,6 +348,34 @@ TEST(Bake, half_keeps_eleven_bits) {
         ASSERT_NEAR(b[i], a[i], std::abs(a[i]) * 0x1p-11f + 1e-7f);
 }
 
+/// Ended by a signal as soon as it has made its first file.
+Output signalled(const char* signal, const std::string& out, const std::string& more) {
+    const std::string scene = testing::folder().write("bake.toml", scene_text);
+    const std::string kill = "sh -c '\"$@\" & while [ ! -e " + out +
+                             "/cascade0.00000.exr ] && kill -0 $!; do sleep 0.02; done; kill -" +
+                             signal + " $!; wait $!' sh";
+    return testing::run_program(
+        "seaway-bake", scene + " --out " + out + " --frames 100000 --fps 24 " + more, {}, kill);
+}
+
+// Naive: it ends in the middle of a file, whose piece lies there for good.
+TEST(Bake, a_signal_ends_it_between_two_files) {
+    for (const auto& [signal, number, field] :
+         {std::tuple{"INT", SIGINT, "height"}, {"TERM", SIGTERM, "foam"}}) {
+        const std::string out = testing::folder().file(std::string("signalled_") + signal);
+        const Output ran =
+            signalled(signal, out, std::string("--compression zip --fields ") + field);
+        EXPECT_EQ(ran.status, 128 + number) << ran.err;
+        EXPECT_THAT(ran.err, HasSubstr("seaway-bake: stopped by a signal: "));
+        EXPECT_THAT(ran.err, HasSubstr(" of 100000 frames are whole"));
+        for (const auto& entry : std::filesystem::directory_iterator(out)) {
+            ASSERT_EQ(entry.path().extension(), ".exr") << entry.path();
+            ExrFile whole(entry.path().string());
+            EXPECT_EQ(whole.values(field).size(), 256u * 256u);
+        }
+    }
+}
+
 TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
     const std::string out = "--out " + testing::folder().file("none") + " ";
     const auto refuses = [](const Output& ran, int status, const std::string& part) {
@@ -356,6 +386,9 @@ TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
     refuses(run_bake(out + "--frames 1 --fps 24 --size 100"), 2, "--size");
     refuses(run_bake(out + "--frames 1 --fps 24 --compression jpeg"), 2, "jpeg");
     refuses(run_bake(out + "--frames 1 --fps 24 --up x"), 2, "--up");
+    refuses(run_bake(out + "--frames 1 --fps 24 --up y"), 2, "--up y is of");
+    refuses(run_bake(out + "--frames 1 --fps 24 --channels rgb --fields height,slope_x"), 2,
+            "no slope_x of --fields");
     refuses(run_bake(out + "--frames 1 --fps 24 --mesh stl"), 2, "stl");
     refuses(run_bake(out + "--frames 0 --fps 24"), 2, "--frames 0");
     refuses(run_bake(out + "--frames 1 --fps 0"), 2, "--fps 0");

@@ -94,9 +94,18 @@ class Baker {
         return foam_.empty() ? fields : fields | sea::foam_inputs;
     }
 
+    Result<void> go_on() const {
+        if (!options_.stops())
+            return {};
+        return Error{BakeError::stopped,
+                     fmt::format("stopped by a signal: {} of {} frames are whole", report_.frames,
+                                 options_.frames)};
+    }
+
     /// The frame's own strains are at hand; those of the ticks before it are asked for.
     Result<void> advance_foam(std::size_t cascade, const sea::KeyframePtr& keyframe) {
         const auto strains = [&](TimeUs time_us) -> Result<sea::KeyframePtr> {
+            SEAWAY_TRY(go_on());
             if (time_us == keyframe->time_us)
                 return keyframe;
             const server::KeyframeRequest request{static_cast<int>(cascade), time_us,
@@ -119,11 +128,14 @@ class Baker {
             const sea::Keyframe sea = sum_cascades(*sea_, maps, fields);
             const std::span<const float> foam =
                 foam_.empty() ? std::span<const float>() : sea.plane(Field::foam);
+            SEAWAY_TRY(go_on());
             return files_->write(frame, fmt::format("sea.{:05}", frame), sea, foam);
         }
-        for (std::size_t c = 0; c < keyframes.size(); ++c)
+        for (std::size_t c = 0; c < keyframes.size(); ++c) {
+            SEAWAY_TRY(go_on());
             SEAWAY_TRY(files_->write(frame, fmt::format("cascade{}.{:05}", c, frame), *keyframes[c],
                                      foam_.empty() ? std::span<const float>() : foam_[c].ratios()));
+        }
         return {};
     }
 

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,8 @@ inline constexpr double fps_max = 1000.0;
 /// Frames are within this of the sea's epoch, the first as the last.
 inline constexpr double time_max_s = 1e9;
 
-/// Errors of this kind are of the scene or the options; all others are of a file or the device.
-enum class BakeError { bad_options = 1 };
+/// Of the scene or the options; stopped as it was asked to. All others are of a file or the device.
+enum class BakeError { bad_options = 1, stopped };
 
 struct BakeOptions {
     std::string folder;       ///< made if it is not there
@@ -42,6 +43,8 @@ struct BakeOptions {
     bool north_up = false; ///< line 0 of an image is the northernmost row, not the southernmost
     MeshFormat mesh = MeshFormat::none;
     UpAxis up = UpAxis::z; ///< of vectors and meshes
+    /// Asked between files and between steps of foam; the files that are written then are whole.
+    std::function<bool()> stops = [] { return false; };
 };
 
 struct BakeReport {

@@ -2,6 +2,7 @@
 // seaway-bake: a scene as OpenEXR maps, without a server. Errors: one line on stderr; exit 2 for
 // usage and scenes, 3 where there is no such device, 4 for files and a device that fails.
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -30,10 +31,13 @@ constexpr int exit_usage = 2;
 constexpr int exit_no_device = 3;
 constexpr int exit_failed = 4;
 
+constexpr const char* default_fields =
+    "height,displacement_x,displacement_y,slope_x,slope_y,jacobian";
+
 struct Options {
     std::string scene;
     std::string device = "native";
-    std::string fields = "height,displacement_x,displacement_y,slope_x,slope_y,jacobian";
+    std::string fields = default_fields;
     std::string compression = "none";
     std::string channels = "names";
     std::string mesh = "none";
@@ -94,7 +98,42 @@ int fail(int code, const std::string& message) {
     return complain("seaway-bake", code, message);
 }
 
+volatile std::sig_atomic_t stopped_by = 0;
+
+/// The first signal ends between two files, the second one at once.
+void stop_by_signals() {
+    for (const int number : {SIGINT, SIGTERM})
+        std::signal(number, [](int again) {
+            stopped_by = again;
+            std::signal(again, SIG_DFL);
+        });
+}
+
+/// Ends as the signal would have ended it: who called is told that it was one.
+int end_by_signal(const std::string& message) {
+    fail(exit_failed, message);
+    std::raise(stopped_by);
+    return exit_failed;
+}
+
+/// What would change nothing is not passed over in silence.
+Result<void> check_effect(const Options& o) {
+    if (o.up == "y" && o.channels == "names" && o.mesh == "none")
+        return Error{"--up y is of --channels rgb and of --mesh: neither is given"};
+    if (o.channels != "rgb" || o.fields == default_fields || o.fields == "all")
+        return {};
+    SEAWAY_TRY_LET(const sea::FieldSet fields, bake::parse_fields(o.fields));
+    for (const sea::Field field : fields)
+        if (field != sea::Field::foam && !bake::vector_fields.contains(field))
+            return Error{fmt::format("--channels rgb has no {} of --fields: it is displacement, "
+                                     "height and foam",
+                                     sea::info(field).name)};
+    return {};
+}
+
 int run(Options& options) {
+    if (const Result<void> acts = check_effect(options); !acts)
+        return fail(exit_usage, acts.error().message);
     Result<sea::Scene> scene = sea::read_scene(options.scene);
     if (!scene)
         return fail(exit_usage, scene.error().message);
@@ -118,6 +157,7 @@ int run(Options& options) {
     options.bake.fields = *fields;
     options.bake.compression = *compression;
     options.bake.start_us = sea::us_from_seconds(options.start_s);
+    options.bake.stops = [] { return stopped_by != 0; };
 
     const Result<std::unique_ptr<server::Synthesizer>> synthesizer =
         server::make_synthesizer(options.device);
@@ -125,7 +165,10 @@ int run(Options& options) {
         return fail(exit_no_device, synthesizer.error().message);
     const int processors = usable_processors();
     Imf::setGlobalThreadCount(processors > 1 ? processors : 0); // 0: none beside this one
+    stop_by_signals();
     const Result<bake::BakeReport> report = bake::bake(*scene, options.bake, **synthesizer);
+    if (!report && report.error().is(bake::BakeError::stopped))
+        return end_by_signal(report.error().message);
     if (!report)
         return fail(report.error().is(bake::BakeError::bad_options) ? exit_usage : exit_failed,
                     report.error().message);
