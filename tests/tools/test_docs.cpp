@@ -13,6 +13,10 @@
 
 #include <fmt/format.h>
 
+#include "sea/scene/scene.h"
+#include "sea/waves/realize.h"
+#include "tests/support/folder.h"
+
 namespace seaway {
 namespace {
 
@@ -138,6 +142,31 @@ TEST(Docs, every_key_that_is_documented_is_asked_for_by_the_scene_reader) {
             ++keys;
         }
     EXPECT_GT(keys, 50u);
+}
+
+/// A block of the page as a whole scene: behind `[sea]` if it has none of its own, a timetable behind a wind too, whose speed it sets.
+std::string whole_scene(const std::string& block) {
+    if (block.find("[sea]") != std::string::npos)
+        return block;
+    const bool timetable = block.starts_with("[[weather]]");
+    return std::string("[sea]\n") +
+           (timetable ? "[[sea.system]]\ntype = \"wind\"\nwind_speed_10m_mps = 12\nfrom_deg = 0\n"
+                      : "") +
+           block;
+}
+
+TEST(Docs, every_scene_of_the_page_of_scenes_is_one) {
+    tests::folder().write("buoy.csv", "f_hz,df_hz,s_m2_hz,a1,b1,a2,b2\n0.1,0.02,5,0.5,0.1,0.1,0.1\n"
+                                      "0.12,0.02,3,0.5,0.1,0.1,0.1\n");
+    const std::vector<std::string> blocks =
+        all_of(text_of(root / "docs/scenes.md"), R"(\n```toml\n([^`]*)\n```)");
+    EXPECT_EQ(blocks.size(), 3u);
+    for (const std::string& block : blocks) {
+        const auto scene = sea::parse_scene(whole_scene(block), "page", tests::folder().file(""));
+        ASSERT_TRUE(scene) << scene.error().message << "\n" << block;
+        const auto sea = sea::realize(*scene);
+        EXPECT_TRUE(sea) << sea.error().message << "\n" << block;
+    }
 }
 
 TEST(Docs, every_feature_of_the_five_systems_has_one_row) {

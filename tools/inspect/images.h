@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures of everything between a scene and its maps: h0(k), h(k,t), what each pass of the transform
-// leaves and every map, for every cascade, from any device.
+// leaves and every map but foam, which is a history, for every cascade, from any device.
 //
 // DIR/cascade<c>_<stage>[_<of what>].png is scaled to what it holds, with the scale in the picture; the
 // .exr beside it has the numbers themselves, complex ones as channels re and im. Spectra are shown as

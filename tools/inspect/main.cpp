@@ -130,7 +130,8 @@ void declare(CommandLine& line, Options& options) {
     line.option("--plot", options.plot, "Draw spectrum, directions and cascades").takes("FILE.png");
     const CommandOption images =
         line.option("--images", options.images.folder,
-                    "Draw h0(k), h(k,t), every pass and every map of each cascade")
+                    "Draw h0(k), h(k,t), every pass and every map of each cascade but foam, "
+                    "which is a history")
             .excludes(spectrum)
             .excludes(points)
             .takes("DIR");
