@@ -22,9 +22,9 @@ constexpr double watch_hz_max = 1000;
 constexpr const char* query_footer =
     "One row a point: x_m,y_m,t_s,height_m,normal_x,normal_y,normal_z,velocity_x_mps,\n"
     "velocity_y_mps,velocity_z_mps,error_m,flags. error_m bounds the error of the height.\n"
-    "flags is a sum: 1 folded (the highest sheet found; error_m is no bound), 2 not converged\n"
-    "(error_m covers it), 4 extrapolated (error_m is no bound), 8 invalid point, 16 exact,\n"
-    "32 vertical velocity alone, 64 open (which of two sheets is the highest), 128 stale\n"
+    "flags is a sum: 1 folded (the highest sheet), 2 not converged (error_m covers it),\n"
+    "4 extrapolated (error_m is no bound), 8 invalid point, 16 exact, 32 vertical velocity\n"
+    "alone, 64 open (which of two sheets is the highest; error_m is no bound), 128 stale\n"
     "(the server may lack changes; error_m grows with them).\n"
     "With --z: x_m,y_m,t_s,z_m,surface_m,velocity_x_mps,velocity_y_mps,velocity_z_mps,\n"
     "pressure_m2ps2,flags: velocity of the water there and its dynamic pressure over density, by\n"

@@ -383,6 +383,16 @@ TEST_F(Program, its_help_names_each_source) {
     EXPECT_NE(outcome.out.find("--from tiles|spectrum|scene"), std::string::npos) << outcome.out;
 }
 
+// As client/seaway.h has them.
+TEST_F(Program, its_help_says_which_flags_leave_no_bound) {
+    const std::string help = run_program("--help").out;
+    for (const char* says :
+         {"1 folded (the highest sheet),", "2 not converged (error_m covers it),",
+          "4 extrapolated (error_m is no bound)",
+          "64 open (which of two sheets is the highest; error_m is no bound)"})
+        EXPECT_NE(help.find(says), std::string::npos) << says;
+}
+
 // Naive: 1e12 s in nanoseconds is no number of them, and every beat is over already.
 TEST_F(Program, the_slowest_watch_waits_for_its_second_beat) {
     const Outcome outcome =
