@@ -19,7 +19,7 @@
  * may connect a new one.
  *
  * Memory: whoever passes an array owns it; counts are of elements, sizes of structs are fixed for
- * this ABI version (checked at compile time below). seaway_sample from tiles allocates nothing once its thread has sampled as
+ * this ABI version (checked at compile time below): what is added later has structs of its own, with a size, in seaway_engine.h. seaway_sample from tiles allocates nothing once its thread has sampled as
  * many points as now, 50 000 at most: threads keep what they need, and what comes is made ready as it comes. (A time that more
  * than 6000 points share takes 3 MB of the client's, once; what came before anybody sampled is made ready by a sample.
  * Answers from waves allocate.)

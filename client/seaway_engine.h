@@ -341,7 +341,10 @@ seaway_code seaway_get_map(const seaway_client* client, const seaway_map_wish* w
 
 /* ---- without waiting --------------------------------------------------------------------------------- */
 
-/* Asks the server about seaway_state.points_max points at most; at once. `question` gets its number, never 0. SEAWAY_REFUSED:
+/* Of the surface, with all waves; of the water below, and with a seaway_looking, the server is asked by calls that wait
+ * (seaway_query_below, seaway_query_some). An answer is told by seaway_poll alone: seaway_watch_status has no part in it.
+ *
+ * Asks the server about seaway_state.points_max points at most; at once. `question` gets its number, never 0. SEAWAY_REFUSED:
  * questions_max are open. */
 seaway_code seaway_ask(seaway_client* client, const seaway_point* points, size_t count, int exact,
                        double timeout_s, uint64_t* question);

@@ -48,13 +48,19 @@ Result<std::shared_ptr<const GlidingSea>> GlidingSea::create(const protocol::Sea
 }
 
 std::shared_ptr<const RebuiltSea> GlidingSea::at(sea::TimeUs time_us) const {
-    const std::scoped_lock lock(mutex_);
-    if (!moment_ || time_us_ != time_us) {
-        moment_ = std::make_shared<const RebuiltSea>(change_.at(time_us), state_, error_,
-                                                     change_.growing_at(time_us));
-        time_us_ = time_us;
+    {
+        const std::scoped_lock lock(mutex_);
+        for (const Moment& moment : moments_)
+            if (moment.sea && moment.time_us == time_us)
+                return moment.sea;
     }
-    return moment_;
+    // Some milliseconds, for which nobody who asks about another time waits.
+    auto made = std::make_shared<const RebuiltSea>(change_.at(time_us), state_, error_,
+                                                   change_.growing_at(time_us));
+    const std::scoped_lock lock(mutex_);
+    moments_[oldest_] = {time_us, made};
+    oldest_ = (oldest_ + 1) % moments_.size();
+    return made;
 }
 
 void GlidingSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,

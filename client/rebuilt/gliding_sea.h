@@ -41,9 +41,14 @@ class GlidingSea final : public OwnSea {
     const sea::SeaTransition change_;
     const protocol::SeaStateValues state_;
     const RebuiltError error_;
-    mutable std::mutex mutex_; ///< of what follows: the time that was asked about last
-    mutable sea::TimeUs time_us_ = 0;
-    mutable std::shared_ptr<const RebuiltSea> moment_;
+    struct Moment {
+        sea::TimeUs time_us = 0;
+        std::shared_ptr<const RebuiltSea> sea;
+    };
+    mutable std::mutex mutex_; ///< of what follows
+    /// Those that were asked about last: a time with what the clock may be off by either way is three.
+    mutable std::array<Moment, 3> moments_;
+    mutable std::size_t oldest_ = 0;
 };
 
 } // namespace seaway::client

@@ -102,5 +102,53 @@ class UseIt(unittest.TestCase):
         test_eight_lines_compile_against_what_is_installed_and_print_a_height = eight_lines
 
 
+def examples_of(header):
+    """The code in a header's comments: indented blocks of statements, each with the first line that it has."""
+    blocks, lines = [], []
+    for line in (ROOT / "client" / header).read_text().splitlines() + [""]:
+        if line.startswith(" *     ") or (lines and line == " *"):
+            lines.append(line[7:])
+        elif lines:
+            blocks.append("\n".join(lines).rstrip())
+            lines = []
+    return [block for block in blocks if block.endswith((";", "}"))]
+
+
+class HeaderExamples(unittest.TestCase):
+    """What stands in the comments of the public headers compiles as it is written, as C and as C++."""
+    AROUND = """
+#include "client/seaway_engine.h"
+#include "client/buoyancy.h"
+int complain(const char* why);
+void push_up(double height_m, const double* velocity_mps);
+void take(const seaway_event* event);
+float texels[256];
+%s
+int example(%s) {
+%s
+    return 0;
+}
+"""
+    GIVEN = {"client": "seaway_client* client", "hull": "seaway_hull hull", "body": "seaway_body body",
+             "points": "seaway_point points[8]", "answers": "seaway_answer answers[8]"}
+
+    def test_they_compile_as_c11_and_as_cpp(self):
+        found = 0
+        for header in ("seaway.h", "seaway_engine.h", "buoyancy.h"):
+            for block in examples_of(header):
+                found += 1
+                # What an example does not declare itself it is given.
+                given = [words for name, words in self.GIVEN.items()
+                         if re.search(rf"\b{name}\b", block) and not re.search(rf"{re.escape(words.split('[')[0])}\b\s*[=;]", block)]
+                used = [name for name in self.GIVEN if any(name in words for words in given)]
+                program = self.AROUND % ("int example(" + ", ".join(given) + ");", ", ".join(given),
+                                         "\n".join(f"    (void){name};" for name in used) + "\n" + block)
+                for language, command in (("c", "cc -std=c11"), ("c++", "c++ -std=c++20 -Wno-missing-field-initializers")):
+                    done = subprocess.run([*command.split(), "-x", language, "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-I", ROOT, "-"],
+                                          input=program, text=True, capture_output=True)
+                    self.assertEqual(done.returncode, 0, f"{header}, {language}:\n{program}\n{done.stderr}")
+        self.assertGreaterEqual(found, 4)
+
+
 if __name__ == "__main__":
     unittest.main()

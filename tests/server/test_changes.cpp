@@ -196,14 +196,15 @@ TEST(Changes, of_two_that_are_to_end_at_the_same_moment_the_later_ones_waves_sta
     expect_right(*client, points);
 }
 
-TEST(Changes, survive_a_kill_bit_for_bit_and_none_that_was_acknowledged_is_lost) {
+TEST(Changes, survive_twenty_kills_bit_for_bit_and_none_that_was_acknowledged_is_lost) {
     const std::string folder = tests::folder().file("killed");
     std::mt19937 random(12);
     std::vector<sea::QueryPoint> points;
     for (int i = 0; i < 100; ++i)
         points.push_back({31.0 * i, -17.0 * i, 1'000'000L * (i - 10)});
     std::vector<sea::Answer> before;
-    for (int round = 0; round < 4; ++round) {
+    constexpr int kills = 20;
+    for (int round = 0; round <= kills; ++round) {
         tests::ServerProcess server(arguments(folder));
         const std::string url = server.wait_until_ready();
         const auto client = connect(url);
@@ -215,13 +216,15 @@ TEST(Changes, survive_a_kill_bit_for_bit_and_none_that_was_acknowledged_is_lost)
                 EXPECT_EQ((*after)[i].height_m, before[i].height_m) << round << ' ' << i;
         }
         const Said said =
-            ctl(url, {"set", fmt::format("systems.0.wind_speed_10m_mps={}", 6 + 3 * round),
-                      fmt::format("sea.depth_m={}", 20 + 10 * round), "--over", "20s"});
+            ctl(url, {"set", fmt::format("systems.0.wind_speed_10m_mps={}", 6 + 3 * (round % 5)),
+                      fmt::format("sea.depth_m={}", 20 + 10 * (round % 3)), "--over", "20s"});
         ASSERT_EQ(said.code, 0) << said.words;
         const auto asked = client->ask(points, {.exact = true, .timeout_s = 60});
         ASSERT_TRUE(asked) << asked.error().message;
         before = *asked;
-        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 3000));
+        // Before the glide, at its beginning, and well within it.
+        const auto most_ms = round % 5 == 0 ? 4000 : 1000;
+        std::this_thread::sleep_for(std::chrono::milliseconds(random() % most_ms));
         server.send(SIGKILL);
         EXPECT_TRUE(server.wait_for_exit(std::chrono::seconds(10)));
     }

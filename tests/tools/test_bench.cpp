@@ -160,6 +160,19 @@ TEST(Bench, line_counts_what_is_sent_of_each_cascade_and_field) {
     EXPECT_GT(mbit_per_s(alone.out), 2 * mbit_per_s(compact.out)) << "what is predicted";
 }
 
+// What a client on a thin line is promised of the gale (docs/performance.md has what was measured: 1.1 Mbit/s, 57 KB): each
+// keyframe alone at the centimetre of its scene, and its waves to join with. Bytes are no timings: they are the same on every run.
+TEST(Bench, the_gale_fits_the_lines_that_it_is_promised_to_fit) {
+    const std::string gale = " --scene " SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml";
+    const Output alone = testing::run_program("seaway-bench", "line --alone" + gale);
+    ASSERT_EQ(alone.status, 0) << alone.err;
+    const std::size_t at = alone.out.find(" Mbit/s, one whole");
+    ASSERT_NE(at, std::string::npos) << alone.out;
+    const double mbit_per_s = std::stod(alone.out.substr(alone.out.rfind('\n', at) + 1));
+    EXPECT_GT(mbit_per_s, 0.1);
+    EXPECT_LT(mbit_per_s, 1.5);
+}
+
 // One transform a real field and keyframe, for a second of sea: what docs/effects.md shows is counted by
 // the device. Strains that foam and gradient share are in neither of them on top of the other.
 TEST(Bench, effects_counts_what_each_effect_of_each_cascade_transforms) {
