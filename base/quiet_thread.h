@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// QuietThreads: while one stands, threads that are begun take no signals. Those of the process are its program's: a
-// library's thread that takes one runs a handler where nobody expects it, or ends a program that waits for it elsewhere.
+// QuietThreads: while one stands, threads that are begun take no signals of the process. These are its program's: a
+// library's thread that takes one runs a handler where nobody expects it, or ends a program that waits for it elsewhere. What
+// a thread does itself, as touching memory that is not there, stays its own: handlers of the program see it.
 #pragma once
 
 #include <csignal>
@@ -13,6 +14,8 @@ class QuietThreads {
     QuietThreads() {
         sigset_t all;
         sigfillset(&all);
+        for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT, SIGSYS})
+            sigdelset(&all, own);
         pthread_sigmask(SIG_SETMASK, &all, &before_);
     }
     ~QuietThreads() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }

@@ -386,7 +386,7 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
         TimeSpan span = then.span;
         SEAWAY_TRY_LET(const bool late,
                        hold_then(then, ring, time_us, surfaces, surface, how.keyframes_first));
-        if (late)
+        if (late || (then.waves && how.keyframes_first)) // others may be covered
             span = {time_us, time_us};
         if (!then.waves)
             span = glides_choppiness(*then.state) ? TimeSpan{time_us, time_us}

@@ -128,8 +128,7 @@ class Client {
     Result<int> descriptor_with(int other);
 
     /// This client answers from what it holds; at once, never asks the server. An error (not_held): there is nothing
-    /// to go by, or the connection is lost and the keyframes end before the time of a point. Points of equal or
-    /// near times should stand together. About 1 us a point, 3 ms more for a new keyframe; of a sea
+    /// to go by. Points of equal or near times should stand together. About 1 us a point, 3 ms more for a new keyframe; of a sea
     /// that it has rebuilt, at any time, what client/rebuilt/rebuilt_sea.h says.
     Result<std::vector<sea::Answer>> sample(std::span<const sea::QueryPoint> points) const;
     /// The same into the caller's memory, as many answers as points; of an error they are anything. From keyframes that came since

@@ -99,12 +99,12 @@ OwnSeaPtr Client::own_sea(const WavesOf& of) const {
     }
     const auto made = GlidingSea::create(*of.state, *from, *waves, of.state->start_time_us,
                                          of.state->glide->end_us);
+    const OwnSeaPtr sea = made ? OwnSeaPtr(*made) : nullptr;
     const std::scoped_lock lock(mutex_);
-    if (std::ranges::find(sea_states_, of.state) == sea_states_.end()) // forgotten meanwhile
-        return nullptr;
-    Glide& glide = glides_[of.state->epoch];
-    glide = {from, waves, made ? *made : nullptr};
-    return glide.sea;
+    if (std::ranges::find(sea_states_, of.state) !=
+        sea_states_.end()) // or sent again, or forgotten meanwhile
+        glides_[of.state->epoch] = {from, waves, sea};
+    return sea;
 }
 
 } // namespace seaway::client

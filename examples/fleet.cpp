@@ -71,8 +71,7 @@ double since_us(std::chrono::steady_clock::time_point then) {
         .count();
 }
 
-/// One step of all; false: the water has no answer.
-/// Whether there was water to step in: none before the first of it has come, and for a moment where it becomes another sea.
+/// One step of all. Whether there was water to step in: none before the first of it has come, and for a moment where it becomes another sea.
 bool step(const seaway::Sea& sea, const seaway_sampling& how, const seaway_hull& hull,
           std::int64_t time_us, std::vector<seaway_body>& bodies, std::vector<seaway_point>& points,
           std::vector<seaway_answer>& answers, Times& times) {
@@ -84,13 +83,14 @@ bool step(const seaway::Sea& sea, const seaway_sampling& how, const seaway_hull&
     if (code == SEAWAY_NOT_HELD)
         return false;
     if (code != SEAWAY_OK)
-        throw std::runtime_error(seaway_last_error());
+        throw seaway::SeaError(code);
     times.water_us.push_back(since_us(begin));
     const auto sampled = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < floats; ++i)
-        if (seaway_hull_step(&hull, &bodies[i], &points[i * corners], &answers[i * corners],
-                             step_s) != SEAWAY_OK)
-            throw std::runtime_error(seaway_last_error());
+        if (const seaway_code moved = seaway_hull_step(&hull, &bodies[i], &points[i * corners],
+                                                       &answers[i * corners], step_s);
+            moved != SEAWAY_OK)
+            throw seaway::SeaError(moved);
     times.motion_us.push_back(since_us(sampled));
     return true;
 }
@@ -121,6 +121,8 @@ int run(const char* url, int steps) {
     double off_m = 0;
     for (std::size_t i = 0; i < floats; ++i)
         off_m = std::max(off_m, std::abs(bodies[i].position_m[2] - answers[i * corners].height_m));
+    if (without > 0)
+        std::printf("%d steps were left out, without water; ", without);
     std::printf(
         "%zu floats, %zu points in one batch: a step takes %.0f us for the water and %.0f us for "
         "the floats (medians of %d); none is further than %.2f m from the water\n",

@@ -166,6 +166,7 @@ int end_with(int status) {
 }
 
 int give_up(int status, const std::string& why) {
+    end_with(status); // nobody would read why
     if (!is_json)
         return complain(log_name, status, why);
     spdlog::critical("{}", why);

@@ -281,7 +281,6 @@ int main(int argc, char** argv) {
                        fmt::format("{}; --answer-threads 1 --io-threads 1 needs the fewest",
                                    seaway::no_further_thread));
     } catch (const std::exception& error) {
-        spdlog::critical("{}", error.what());
-        return 1;
+        return give_up(1, error.what());
     }
 }

@@ -144,8 +144,31 @@ bool Socket::has_tls() const {
 }
 
 void Socket::connect(const asio::ip::tcp::resolver::results_type& endpoints, Done done) {
-    streams_->tcp().async_connect(
-        endpoints, [done = std::move(done)](error_code error, const auto&) { done(error); });
+    connect_one_of(streams_, endpoints, endpoints.begin(), asio::error::host_not_found,
+                   std::move(done));
+}
+
+/// Asio would open the socket itself, and a program that is started meanwhile would get it.
+void Socket::connect_one_of(const std::shared_ptr<Streams>& streams, const Endpoints& endpoints,
+                            Endpoints::const_iterator next, error_code before, Done done) {
+    auto& tcp = streams->tcp();
+    error_code problem = before;
+    for (; next != endpoints.end(); ++next) {
+        error_code ignored; // of one that was never open
+        tcp.socket().close(ignored);
+        tcp.socket().open(next->endpoint().protocol(), problem);
+        if (!problem)
+            break;
+    }
+    if (next == endpoints.end())
+        return asio::post(tcp.get_executor(), [problem, done = std::move(done)] { done(problem); });
+    ::fcntl(tcp.socket().native_handle(), F_SETFD, FD_CLOEXEC);
+    tcp.async_connect(next->endpoint(), [streams, endpoints, next,
+                                         done = std::move(done)](error_code error) mutable {
+        if (!error || error == asio::error::operation_aborted || error == beast::error::timeout)
+            return done(error);
+        connect_one_of(streams, endpoints, std::next(next), error, std::move(done));
+    });
 }
 
 void Socket::accept_tls(Done done) {
@@ -180,11 +203,6 @@ void Socket::expires_never() {
 void Socket::set_no_delay() {
     error_code ignored; // a socket that is gone already will say so when it is read
     streams_->tcp().socket().set_option(asio::ip::tcp::no_delay(true), ignored);
-}
-
-void Socket::stay_with_this_process() {
-    ::fcntl(descriptor(), F_SETFD,
-            FD_CLOEXEC); // one that is gone already will say so when it is read
 }
 
 bool Socket::has_unread() const {

@@ -79,7 +79,10 @@ class Socket {
     executor_type get_executor();
     bool has_tls() const;
 
-    void connect(const boost::asio::ip::tcp::resolver::results_type& endpoints, Done done);
+    using Endpoints = boost::asio::ip::tcp::resolver::results_type;
+    /// To the first of them that answers. Programs that this one starts do not get it: they would keep the connection
+    /// after this one has ended.
+    void connect(const Endpoints& endpoints, Done done);
     /// The server's part of the TLS handshake; only where has_tls().
     void accept_tls(Done done);
     /// The client's part, which holds the host's name against the certificate; only where has_tls().
@@ -113,8 +116,6 @@ class Socket {
     void part(std::chrono::milliseconds patience, std::function<void()> gone);
 
     void set_no_delay();
-    /// Programs that this one starts do not get it: they would keep the connection after this one has ended.
-    void stay_with_this_process();
     /// Something has come that nobody has read yet.
     bool has_unread() const;
     /// For poll and epoll alone; -1 before connect() and after close().
@@ -150,6 +151,8 @@ class Socket {
 
     struct Streams;
     struct Parting;
+    static void connect_one_of(const std::shared_ptr<Streams>& streams, const Endpoints& endpoints,
+                               Endpoints::const_iterator next, error_code before, Done done);
     std::shared_ptr<Streams> streams_; ///< of this one alone
 };
 

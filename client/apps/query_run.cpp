@@ -224,7 +224,7 @@ Result<void> make_ready(Client& client, const QueryOptions& options, bool now) {
 std::optional<Error> for_good(const Client& client, const Error& error, std::string& said) {
     const ClientStatus status = client.status();
     if (status.state == LinkState::stopped)
-        return failed(Failure::lost, status.reason);
+        return failed(Failure::for_good, status.reason);
     const bool away = status.state != LinkState::connected;
     if (!has_ended(error) && !(away && failure_of(error) == Failure::not_held))
         return error;

@@ -216,7 +216,6 @@ class SocketStream final : public MessageStream {
             if (problem)
                 return opened(cannot_connect(problem.message()));
             ws_.socket().set_no_delay();
-            ws_.socket().stay_with_this_process();
             if (!url_.tls)
                 return shake_hands();
             ws_.socket().connect_tls(url_.host, [this](error_code refused) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is answered where points were solved as a block. Normals and bounds are worked out for all of its points at once: of
-// one alone, roots and quotients each wait for the one before.
+// What is answered where points were solved as a block. Normals and bounds are worked out for two points at once: of one alone,
+// roots and quotients each wait for the one before.
 #include <algorithm>
 
 #include "sea/surface/steepness.h"
@@ -11,13 +11,14 @@ namespace seaway::sea {
 
 namespace {
 
-/// A number of each point of a block, side by side.
-typedef double PointLanes __attribute__((vector_size(8 * PointBlock::size)));
+/// A number of each of two points, side by side: what every machine has registers for. Wider ones are put together in memory where it
+/// has none, which takes longer than what they save.
+typedef double Two __attribute__((vector_size(16)));
 
 double of_lane(double value, std::size_t) {
     return value;
 }
-[[gnu::always_inline]] inline double of_lane(const PointLanes& values, std::size_t p) {
+[[gnu::always_inline]] inline double of_lane(const Two& values, std::size_t p) {
     return values[p];
 }
 
@@ -37,22 +38,21 @@ struct OneLane {
     Real each(const double (&values)[PointBlock::size]) const { return values[p]; }
 };
 
-/// Of all of them; what is beyond the last point means nothing.
-struct AllLanes {
-    using Real = PointLanes;
+/// Of the one at p and the next; what is beyond the last point means nothing.
+struct TwoLanes {
+    using Real = Two;
     const PointBlock& points;
-    static constexpr std::size_t p = 0;
+    std::size_t p;
 
-    static constexpr std::size_t count = PointBlock::size;
+    static constexpr std::size_t count = 2;
     [[gnu::always_inline]] Real channel(const float (&rows)[PointBlock::size][4], int c) const {
-        return Real{rows[0][c], rows[1][c], rows[2][c], rows[3][c],
-                    rows[4][c], rows[5][c], rows[6][c], rows[7][c]};
+        return Real{rows[p][c], rows[p + 1][c]};
     }
     [[gnu::always_inline]] Real each(const float (&v)[PointBlock::size]) const {
-        return Real{v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
+        return Real{v[p], v[p + 1]};
     }
     [[gnu::always_inline]] Real each(const double (&v)[PointBlock::size]) const {
-        return Real{v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
+        return Real{v[p], v[p + 1]};
     }
 };
 
@@ -81,21 +81,22 @@ void Surface::tell(const Some& some, const AtTime& then, Answer* const* to) cons
     for (std::size_t p = some.p; p < end; ++p) {
         Answer& answer = *to[p];
         answer.height_m = static_cast<double>(points.value[p][height]);
-        answer.normal[0] = of_lane(normal.x, p);
-        answer.normal[1] = of_lane(normal.y, p);
-        answer.normal[2] = of_lane(normal.z, p);
-        answer.error_m = of_lane(error_m, p);
+        answer.normal[0] = of_lane(normal.x, p - some.p);
+        answer.normal[1] = of_lane(normal.y, p - some.p);
+        answer.normal[2] = of_lane(normal.z, p - some.p);
+        answer.error_m = of_lane(error_m, p - some.p);
         answer.flags = then.flags;
     }
 }
 
 void Surface::gentle(const PointBlock& points, const AtTime* const* then, Answer* const* to) const {
     const auto count = static_cast<std::size_t>(points.count);
-    if (count > 1 && std::all_of(then, then + count, [&](auto* one) { return one == then[0]; }))
-        tell(AllLanes{points}, *then[0], to);
-    else
-        for (std::size_t p = 0; p < count; ++p)
-            tell(OneLane{points, p}, *then[p], to);
+    for (std::size_t p = 0; p < count; p += 2)
+        if (p + 1 < count && then[p] == then[p + 1])
+            tell(TwoLanes{points, p}, *then[p], to);
+        else
+            for (std::size_t one = p; one < std::min(p + 2, count); ++one)
+                tell(OneLane{points, one}, *then[one], to);
 }
 
 ErrorTerms Surface::gentle_terms(const PointBlock& points, std::size_t p, const AtTime& then,

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <vector>
 
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 
 #include "server/net/connection.h"
@@ -24,7 +25,8 @@ constexpr std::size_t unasked_bytes_max = 64 * 1024;
 class MapConnection final : public MapReader, public std::enable_shared_from_this<MapConnection> {
   public:
     MapConnection(ConnectionSlot slot, sockets::Socket socket, Peer peer)
-        : slot_(std::move(slot)), socket_(std::move(socket)), peer_(std::move(peer)) {}
+        : slot_(std::move(slot)), socket_(std::move(socket)), peer_(std::move(peer)),
+          line_timer_(socket_.get_executor()) {}
 
     void run(std::map<std::string, std::string> parameters) {
         socket_.expires_never(); // the host answers; what it takes is bounded there
@@ -39,8 +41,10 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
             respond({.status = 503,
                      .body = "as many maps are being made as there are places, try again later\n",
                      .retry_after_s = 1});
-        else if (place_ == nullptr)
+        else if (place_ == nullptr) {
             core().waiting_for_maps.insert(shared_from_this());
+            wait_in_line();
+        }
     }
 
     // ---- MapReader -------------------------------------------------------------------------
@@ -60,6 +64,17 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
     using Clock = std::chrono::steady_clock;
 
     Core& core() { return *slot_.core(); }
+
+    void wait_in_line() {
+        line_timer_.expires_after(std::chrono::seconds(1));
+        line_timer_.async_wait([weak = weak_from_this()](error_code gone) {
+            const auto self = weak.lock();
+            if (gone || self == nullptr || self->here_ == nullptr || self->place_ != nullptr)
+                return;
+            self->core().map_places.look_again();
+            self->wait_in_line();
+        });
+    }
 
     void start(std::map<std::string, std::string> parameters, MapPlaces::Place place) {
         place_ = std::move(place);
@@ -196,6 +211,7 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
     ConnectionSlot slot_;
     sockets::Socket socket_;
     Peer peer_;
+    asio::steady_timer line_timer_;
     MapPlaces::Place place_;
 
     std::shared_ptr<const void> here_ =

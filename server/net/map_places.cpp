@@ -16,6 +16,15 @@ bool MapPlaces::ask(const AddressPtr& address, Begin begin) {
         wait(address, std::move(begin));
         return true;
     }
+    if (state_->most == 0)
+        return false; // it stops
+    if (!make_room() && state_->by_address.contains(address.get()))
+        return false;
+    wait(address, std::move(begin));
+    return true;
+}
+
+bool MapPlaces::make_room() {
     std::shared_ptr<MapReader> slowest;
     std::erase_if(readers_, [&slowest](const std::weak_ptr<MapReader>& weak) {
         const std::shared_ptr<MapReader> reader = weak.lock();
@@ -25,14 +34,16 @@ bool MapPlaces::ask(const AddressPtr& address, Begin begin) {
             slowest = reader;
         return false;
     });
-    if (slowest == nullptr && state_->by_address.contains(address.get()))
+    if (slowest == nullptr)
         return false;
-    wait(address, std::move(begin));
-    if (slowest != nullptr) {
-        std::erase_if(readers_, [&slowest](const auto& weak) { return weak.lock() == slowest; });
-        slowest->give_way();
-    }
+    std::erase_if(readers_, [&slowest](const auto& weak) { return weak.lock() == slowest; });
+    slowest->give_way();
     return true;
+}
+
+void MapPlaces::look_again() {
+    if (static_cast<int>(state_->waiting.size()) > state_->ending)
+        make_room();
 }
 
 void MapPlaces::wait(const AddressPtr& address, Begin begin) {

@@ -2,7 +2,7 @@
 // MapPlaces: how many maps are under way at a time, and who gives way. A place comes back when the last of its
 // holders lets it go, on whichever thread, which is after the threads of the map have ended. Where none is free,
 // the reader who is furthest behind makes room, if one is behind; who asked waits for that place. An address that has no
-// place waits for the next that comes free, before all that have one: so one that always wants two leaves others theirs.
+// place waits for the next that comes free, in the order in which they ask: so one that always wants two leaves others theirs.
 //
 // Of the io thread alone, but for the places.
 #pragma once
@@ -44,6 +44,9 @@ class MapPlaces {
     /// waits for one.
     [[nodiscard]] bool ask(const AddressPtr& address, Begin begin);
 
+    /// To be called each second by who waits: a reader may have fallen behind since it asked.
+    void look_again();
+
     /// For as long as it lives it may be asked to give way.
     void reads(std::weak_ptr<MapReader> reader);
 
@@ -83,6 +86,8 @@ class MapPlaces {
     static void gave_back(const std::shared_ptr<State>& state, const AddressPtr& address,
                           bool had_ended);
     void wait(const AddressPtr& address, Begin begin);
+    /// The reader who is furthest behind gives way; false: none is behind.
+    bool make_room();
 
     const std::shared_ptr<State> state_;
     std::vector<std::weak_ptr<MapReader>> readers_;

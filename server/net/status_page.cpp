@@ -135,7 +135,7 @@ function showPlan(plan) {
   const rows = plan.cascades.flatMap((cascade, i) => cascade.effects.map(effect => [
     "cascade " + i + ", " + number(cascade.length_m, 0) + " m", effect.effect,
     number(cascade.keyframes_per_s, 1), number(effect.share_us_per_keyframe, 0),
-    number(effect.predicted_us_per_s, 0)]));
+    number(effect.share_us_per_keyframe * cascade.keyframes_per_s, 0)]));
   fill(at("plan"), rows, rows.length
     ? ["", "effect", "keyframes a second", "\u00b5s a keyframe", "\u00b5s a second"] : undefined);
 }
@@ -194,7 +194,7 @@ async function look() {
     showServer(metrics, state.device);
     showPlan(plan);
     await showMap(state).catch(problem => {
-      if (!(problem instanceof Refused && problem.status === 503)) throw problem;
+      if (!(problem instanceof Refused && problem.status === 503) && problem.name !== "TimeoutError") throw problem;
       at("caption").textContent = `no picture now: ${problem.message}`; // others have the places of maps
     });
     tell("live", "The sea runs.");

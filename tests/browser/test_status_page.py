@@ -152,7 +152,7 @@ class StatusPage(unittest.TestCase):
         for row in rows:
             self.assertGreater(float(row[2]), 0, row)
             self.assertGreater(float(row[3]), 0, row)
-            self.assertAlmostEqual(float(row[4]) / float(row[3]), float(row[2]), delta=0.3, msg=row)
+            self.assertAlmostEqual(float(row[4]), float(row[2]) * float(row[3]), delta=0.06 * float(row[3]) + float(row[2]), msg=row)
         self.assertEqual(page.complaints(), [])
 
     def test_a_picture_that_is_refused_leaves_the_rest_live(self):

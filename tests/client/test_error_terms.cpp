@@ -220,9 +220,21 @@ TEST_F(ErrorTerms, of_who_has_both_are_of_keyframes_where_these_are_preferred_an
     const auto terms = terms_of(both, &how, points);
     EXPECT_GT(terms[0].rounding_m, 0.0004) << "which maps alone have";
     how.times = SEAWAY_STATED_TIMES;
+    const std::vector<seaway_point> covered = points;
     for (seaway_point& point : points)
         point.time_us += 3'600'000'000; // of which nothing is held but the waves
     EXPECT_TRUE(same(waves));
+    // Whatever stands beside it, and in which order.
+    std::vector<seaway_point> mixed{points[0], covered[0], covered[1], points[1], covered[2]};
+    std::vector<seaway_answer> answers(mixed.size());
+    ASSERT_EQ(seaway_sample_as(both.handle(), &how, mixed.data(), mixed.size(), answers.data()),
+              SEAWAY_OK);
+    const std::vector<seaway_answer> by_tiles = tiles.sample(covered),
+                                     by_waves = waves.sample(points);
+    const seaway_answer* expected[] = {&by_waves[0], &by_tiles[0], &by_tiles[1], &by_waves[1],
+                                       &by_tiles[2]};
+    for (std::size_t i = 0; i < mixed.size(); ++i)
+        EXPECT_EQ(answers[i].error_m, expected[i]->error_m) << i;
 }
 
 TEST_F(ErrorTerms, are_given_to_programs_of_other_headers_and_refused_by_name) {

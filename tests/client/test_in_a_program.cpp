@@ -55,6 +55,9 @@ TEST_F(InAProgram, no_thread_of_the_library_takes_its_signals) {
             ++threads;
             for (const int signal : {SIGTERM, SIGINT, SIGALRM, SIGCHLD, SIGUSR1})
                 EXPECT_TRUE(signals_blocked_by(task.path()) >> (signal - 1) & 1) << signal;
+            for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+                EXPECT_FALSE(signals_blocked_by(task.path()) >> (own - 1) & 1)
+                    << own << ": in a callback it is the program's to see";
         }
     EXPECT_GE(threads, 2);
     sigset_t mine;

@@ -269,6 +269,49 @@ TEST(MapPlaces, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) 
     places.stop();
 }
 
+// Naive: who gives way is looked for when somebody asks, and never again while he waits.
+TEST(MapPlaces, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
+    struct Reader final : MapReader {
+        double behind_s = 0;
+        bool gave_way = false;
+        MapPlaces::Place place;
+        MapPlaces* places = nullptr;
+        std::chrono::duration<double> behind() const override {
+            return std::chrono::duration<double>(behind_s);
+        }
+        void give_way() override {
+            gave_way = true;
+            places->ends(place);
+            place = nullptr;
+        }
+    };
+    std::deque<std::function<void()>> posted;
+    MapPlaces places(1,
+                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    const auto slow = std::make_shared<Reader>();
+    slow->places = &places;
+    const auto one = std::make_shared<Address>("one", NetOptions{});
+    const auto two = std::make_shared<Address>("two", NetOptions{});
+    ASSERT_TRUE(places.ask(one, [&](MapPlaces::Place place) { slow->place = std::move(place); }));
+    places.reads(slow);
+    MapPlaces::Place mine;
+    ASSERT_TRUE(places.ask(two, [&](MapPlaces::Place place) { mine = std::move(place); }));
+    places.look_again();
+    EXPECT_FALSE(slow->gave_way);
+    slow->behind_s = 0.1;
+    places.look_again();
+    EXPECT_TRUE(slow->gave_way);
+    places.look_again(); // and nobody more than is waited for
+    for (; !posted.empty(); posted.pop_front())
+        posted.front()();
+    EXPECT_NE(mine, nullptr);
+    mine = nullptr;
+    for (; !posted.empty(); posted.pop_front())
+        posted.front()();
+    places.stop();
+    EXPECT_FALSE(places.ask(two, [](const MapPlaces::Place&) {})) << "it stops";
+}
+
 // Naive: whoever asks at the right instant has the next place, which is who asks without pause.
 TEST(MapPlaces, an_address_that_has_none_is_next_whoever_asks_without_pause) {
     std::deque<std::function<void()>> posted;
