@@ -101,11 +101,18 @@ CommandOption CommandLine::option(const std::string& names, std::string& value,
     }));
 }
 template <>
+CommandOption CommandLine::option(const std::string& names, double& value,
+                                  const std::string& help) {
+    CLI::Option* const option = app_->add_option(names, value, help);
+    option->default_function(
+        [&value] { return fmt::format("{}", value); }); // with all of its digits
+    return CommandOption(option);
+}
+template <>
 CommandOption CommandLine::option(const std::string& names, bool& value, const std::string& help) {
     return CommandOption(app_->add_flag(names, value, help));
 }
 template CommandOption CommandLine::option(const std::string&, int&, const std::string&);
-template CommandOption CommandLine::option(const std::string&, double&, const std::string&);
 template CommandOption CommandLine::option(const std::string&, std::uint64_t&, const std::string&);
 template CommandOption CommandLine::option(const std::string&, std::vector<std::string>&,
                                            const std::string&);

@@ -125,7 +125,7 @@ std::optional<Error> Questions::over_its_budget(Line& line) {
     return busy(line.account.wait_s(),
                 fmt::format("what you have asked for takes longer than {} s and {} of the time "
                             "since: again in {:.1f} s",
-                            budget_.burst_s, budget_.rate, line.account.wait_s()));
+                            budget_.burst_s, budget_.rate, std::max(line.account.wait_s(), 0.1)));
 }
 
 Result<void> Questions::charge(const Asker& asker, double price_us) {

@@ -98,6 +98,18 @@ TEST(CommandLine, help_and_version_are_printed_and_nothing_is_left_to_do) {
     }
 }
 
+TEST(CommandLine, a_default_is_shown_with_all_of_its_digits) {
+    CommandLine line("program", "Does something.");
+    double bytes = 33'554'432, share = 0.1;
+    line.option("--bytes", bytes, "so many").shows_default();
+    line.option("--share", share, "of it").shows_default();
+    ::testing::internal::CaptureStdout();
+    ASSERT_TRUE(line.read({"--help"}));
+    const std::string help = ::testing::internal::GetCapturedStdout();
+    EXPECT_NE(help.find("=33554432"), std::string::npos) << help;
+    EXPECT_NE(help.find("=0.1"), std::string::npos) << help;
+}
+
 TEST(CommandLine, one_of_its_commands_has_to_be_given) {
     int frames = 0;
     CommandLine line("program", "Does something.");
