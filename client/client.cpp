@@ -337,8 +337,8 @@ Result<void> Client::rebuild(TimeUs time_us) {
 }
 
 Client::SeaThen Client::sea_then(TimeUs time_us) const {
-    std::unique_lock lock(mutex_);
-    SeaThen then{sea_state_held(time_us), nullptr, {}, {}};
+    const std::scoped_lock lock(mutex_);
+    SeaThen then{sea_state_held(time_us), {}, nullptr, {}, {}};
     then.known = known_held(*then.state);
     for (const SeaStatePtr& state : sea_states_) { // by their beginning
         if (state->start_time_us > time_us) {
@@ -347,9 +347,7 @@ Client::SeaThen Client::sea_then(TimeUs time_us) const {
         }
         then.span.from_us = state->start_time_us;
     }
-    const WavesOf waves = waves_held(then.state);
-    lock.unlock();
-    then.waves = own_sea(waves);
+    then.waves_of = waves_held(then.state);
     return then;
 }
 
@@ -357,12 +355,15 @@ Result<bool> Client::hold_then(SeaThen& then, const KeyframeRing& ring, TimeUs t
                                HeldSurfaces& surfaces, HeldSurfaces::Lent& surface,
                                bool keyframes_first) const {
     const auto is_held = [&]() -> Result<void> {
-        if (then.waves && !keyframes_first)
+        if (!keyframes_first)
+            then.waves = own_sea(then.waves_of);
+        if (then.waves)
             return {};
         splines_ahead_ = splines_ahead_max;
         Result<void> lent = surfaces.lend(then.state, ring, time_us, sampled_fields(), surface);
-        if (lent && surface->covers)
-            then.waves = nullptr;
+        if (keyframes_first && !(lent && surface->covers))
+            then.waves =
+                own_sea(then.waves_of); // which takes its time where the sea has just changed
         return then.waves ? Result<void>() : lent;
     };
     const Result<void> held = is_held();

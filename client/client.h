@@ -344,7 +344,8 @@ class Client {
     /// The sea that runs at a time, its waves if they are here, and until when it does.
     struct SeaThen {
         SeaStatePtr state;
-        OwnSeaPtr waves;
+        WavesOf waves_of;
+        OwnSeaPtr waves; ///< made of them where they answer
         TimeSpan span;
         KnownSea known;
     };

@@ -35,13 +35,14 @@ void lie_flat(const sea::QueryPoint& point, Water& water) {
 SourceNow Client::source(TimeUs time_us) const {
     return of_one_sea([&]() -> SourceNow {
         const SeaStatePtr state = sea_state(time_us);
-        if (own_sea(state)) {
-            const std::scoped_lock lock(mutex_);
+        std::unique_lock lock(mutex_);
+        if (holds_waves_held(state)) {
             if (rebuilt_.contains(state->epoch))
                 return {AnswersFrom::parameters,
                         "the sea was made here from its scene and agrees with the server's probes"};
             return {AnswersFrom::spectrum, "the server sent the waves themselves"};
         }
+        lock.unlock();
         const Result<LocalSurface> tiles = local_surface(*state, ring_, time_us, sampled_fields());
         if (!tiles)
             return {AnswersFrom::server, tiles.error().message};

@@ -30,7 +30,8 @@
  * A connection that is lost comes back by itself: after waits that grow from 0.5 to 16 s, or for as long as the server
  * asked for, by lot; what was subscribed to is subscribed to again. Meanwhile time goes on, and what is held is sampled:
  * waves at any time; keyframes up to their end, some tenths of a second on, beyond which the sea stands (seaway_sample) and is
- * flagged SEAWAY_EXTRAPOLATED. Answers of which the server may know more are flagged SEAWAY_STALE. seaway_get_status and
+ * flagged SEAWAY_EXTRAPOLATED. Where another sea comes back, as of a server without a journal, nothing is held of it for some tenths of a
+ * second: SEAWAY_NOT_HELD. Answers of which the server may know more are flagged SEAWAY_STALE. seaway_get_status and
  * seaway_watch_status say how it stands.
  *
  *     seaway_client* client = NULL;
@@ -247,7 +248,8 @@ seaway_code seaway_query(seaway_client* client, const seaway_point* points, size
 enum {
     SEAWAY_TILES = 0, /* keyframes around now, for as long as the subscription lasts */
     /* The waves of the sea, once: some 60 KB, then nothing while the sea stays as it is. Any time can be sampled,
-     * past or future, at some 60 us a point of a gale; while the sea changes each new time takes some ms more. Who has tiles, too,
+     * past or future, at some 60 us a point of a gale; while the sea changes each new time takes some ms more, and 30 to 50
+     * whenever more of its waves have come. Who has tiles, too,
      * chooses by seaway_sampling.from. Not of a sea of stylised waves: SEAWAY_REFUSED. */
     SEAWAY_SPECTRUM = 1
 };

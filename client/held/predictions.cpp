@@ -46,7 +46,7 @@ const Predictions::Maps* Predictions::expected(const protocol::TileHeader& heade
                       expected_of_->size == header.size && expected_of_->time_us == header.time_us;
     if (same)
         return &expected_;
-    for (std::vector<float>* map : {&expected_.height, &expected_.rate})
+    for (LargeVector<float>* map : {&expected_.height, &expected_.rate})
         map->resize(base->maps.height.size());
     predictor_.maps(base->size, base->length_m, law, header.time_us - base->time_us,
                     base->maps.height, base->maps.rate, expected_.height, expected_.rate);

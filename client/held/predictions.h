@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "base/large_vector.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 #include "sea/surface/maps/predictor.h"
@@ -19,7 +20,7 @@ namespace seaway::client {
 class Predictions {
   public:
     struct Maps {
-        std::vector<float> height, rate; ///< [y][x]
+        LargeVector<float> height, rate; ///< [y][x]
         std::span<const float> of(sea::Field field) const {
             return field == sea::Field::height ? height : rate;
         }

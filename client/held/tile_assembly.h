@@ -22,6 +22,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/large_vector.h"
 #include "base/result.h"
 #include "client/held/keyframe_ring.h"
 #include "client/held/predictions.h"
@@ -64,7 +65,7 @@ class TileAssembly {
 
   private:
     struct Map {
-        std::vector<float> values; ///< [y][x]
+        LargeVector<float> values; ///< [y][x]
         int size = 0;
         std::uint64_t parts_seen = 0;
         std::size_t samples_seen = 0;

@@ -17,23 +17,23 @@ class SpareBuffers {
     SpareBuffers() { held_.reserve(most_held); } // so that give() never allocates
 
     /// A buffer of exactly this many values, of any content.
-    std::vector<float> take(std::size_t values) {
+    sea::MapValues::Floats take(std::size_t values) {
         {
             const std::lock_guard lock(mutex_);
-            for (std::vector<float>& held : held_) {
+            for (sea::MapValues::Floats& held : held_) {
                 if (held.size() != values)
                     continue;
-                std::vector<float> found = std::move(held);
+                sea::MapValues::Floats found = std::move(held);
                 held = std::move(held_.back());
                 held_.pop_back();
                 return found;
             }
         }
-        return std::vector<float>(values);
+        return sea::MapValues::Floats(values);
     }
 
     /// Memory that is of use to the next: of keyframes that had none of their own nothing is kept.
-    void give(std::vector<float> buffer) {
+    void give(sea::MapValues::Floats buffer) {
         if (buffer.empty())
             return;
         const std::lock_guard lock(mutex_);
@@ -46,7 +46,7 @@ class SpareBuffers {
   private:
     static constexpr std::size_t most_held = 8;
     std::mutex mutex_;
-    std::vector<std::vector<float>> held_;
+    std::vector<sea::MapValues::Floats> held_;
     std::size_t oldest_ = 0;
 };
 

@@ -36,6 +36,10 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
             [weak = weak_from_this(), parameters = std::move(parameters)](MapPlaces::Place place) {
                 if (const auto self = weak.lock(); self != nullptr && self->here_ != nullptr)
                     self->start(parameters, std::move(place));
+            },
+            [weak = weak_from_this()] {
+                const auto self = weak.lock();
+                return self != nullptr && self->here_ != nullptr;
             });
         if (!may_come)
             respond({.status = 503,

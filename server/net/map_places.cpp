@@ -6,21 +6,22 @@
 
 namespace seaway::server {
 
-bool MapPlaces::ask(const AddressPtr& address, Begin begin) {
+bool MapPlaces::ask(const AddressPtr& address, Begin begin, Waits waits) {
+    forget_who_left(*state_);
     if (state_->taken < state_->most) {
         ++state_->by_address[address.get()];
         begin(place(state_, address));
         return true;
     }
     if (static_cast<int>(state_->waiting.size()) < state_->ending) {
-        wait(address, std::move(begin));
+        wait(address, std::move(begin), std::move(waits));
         return true;
     }
     if (state_->most == 0)
         return false; // it stops
     if (!make_room() && state_->by_address.contains(address.get()))
         return false;
-    wait(address, std::move(begin));
+    wait(address, std::move(begin), std::move(waits));
     return true;
 }
 
@@ -42,13 +43,28 @@ bool MapPlaces::make_room() {
 }
 
 void MapPlaces::look_again() {
+    forget_who_left(*state_);
     if (static_cast<int>(state_->waiting.size()) > state_->ending)
         make_room();
 }
 
-void MapPlaces::wait(const AddressPtr& address, Begin begin) {
+void MapPlaces::wait(const AddressPtr& address, Begin begin, Waits waits) {
     ++state_->by_address[address.get()];
-    state_->waiting.push_back({address, std::move(begin)});
+    state_->waiting.push_back({address, std::move(begin), std::move(waits)});
+}
+
+void MapPlaces::forget_who_left(State& state) {
+    std::erase_if(state.waiting, [&state](const Waiting& one) {
+        const bool left = !one.waits();
+        if (left)
+            give_back(state, one.address);
+        return left;
+    });
+}
+
+void MapPlaces::give_back(State& state, const AddressPtr& address) {
+    if (const auto held = state.by_address.find(address.get()); --held->second == 0)
+        state.by_address.erase(held);
 }
 
 void MapPlaces::reads(std::weak_ptr<MapReader> reader) {
@@ -71,8 +87,8 @@ void MapPlaces::gave_back(const std::shared_ptr<State>& state, const AddressPtr&
                           bool had_ended) {
     --state->taken;
     state->ending -= had_ended;
-    if (const auto held = state->by_address.find(address.get()); --held->second == 0)
-        state->by_address.erase(held);
+    give_back(*state, address);
+    forget_who_left(*state);
     if (state->waiting.empty() || state->taken >= state->most)
         return;
     const Waiting next = std::move(state->waiting.front());

@@ -32,6 +32,7 @@ class MapPlaces {
   public:
     using Place = std::shared_ptr<void>;
     using Begin = std::function<void(Place)>;
+    using Waits = std::function<bool()>;
     /// Hands work to the io thread.
     using Post = std::function<void(std::function<void()>)>;
 
@@ -40,9 +41,9 @@ class MapPlaces {
         state_->post = std::move(post);
     }
 
-    /// Calls `begin` now, or once a place has come free. False: none is, nobody is behind, and this address has a place, or
-    /// waits for one.
-    [[nodiscard]] bool ask(const AddressPtr& address, Begin begin);
+    /// Calls `begin` now, or once a place has come free, for who then still waits. False: none is, nobody is behind, and this address
+    /// has a place, or waits for one.
+    [[nodiscard]] bool ask(const AddressPtr& address, Begin begin, Waits waits);
 
     /// To be called each second by who waits: a reader may have fallen behind since it asked.
     void look_again();
@@ -63,6 +64,7 @@ class MapPlaces {
     struct Waiting {
         AddressPtr address;
         Begin begin;
+        Waits waits; ///< false: it has left
     };
     struct State {
         int most = 0;
@@ -85,7 +87,9 @@ class MapPlaces {
     static Place place(const std::shared_ptr<State>& state, const AddressPtr& address);
     static void gave_back(const std::shared_ptr<State>& state, const AddressPtr& address,
                           bool had_ended);
-    void wait(const AddressPtr& address, Begin begin);
+    void wait(const AddressPtr& address, Begin begin, Waits waits);
+    static void forget_who_left(State& state);
+    static void give_back(State& state, const AddressPtr& address);
     /// The reader who is furthest behind gives way; false: none is behind.
     bool make_room();
 

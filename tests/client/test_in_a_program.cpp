@@ -49,17 +49,21 @@ TEST_F(InAProgram, no_thread_of_the_library_takes_its_signals) {
     for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
         before.insert(task.path());
     const Sea client(url());
-    int threads = 0;
+    int threads = 0, callers = 0;
     for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
         if (!before.contains(task.path())) {
             ++threads;
             for (const int signal : {SIGTERM, SIGINT, SIGALRM, SIGCHLD, SIGUSR1})
                 EXPECT_TRUE(signals_blocked_by(task.path()) >> (signal - 1) & 1) << signal;
+            bool sees_faults = true;
             for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
-                EXPECT_FALSE(signals_blocked_by(task.path()) >> (own - 1) & 1)
-                    << own << ": in a callback it is the program's to see";
+                sees_faults = sees_faults && !(signals_blocked_by(task.path()) >> (own - 1) & 1);
+            callers += sees_faults;
         }
     EXPECT_GE(threads, 2);
+    EXPECT_GE(callers, 2)
+        << "a fault in a callback is the program's to see; Asio's thread that looks up "
+           "names calls nobody";
     sigset_t mine;
     pthread_sigmask(SIG_SETMASK, nullptr, &mine);
     EXPECT_FALSE(sigismember(&mine, SIGTERM)) << "who connects is as before";

@@ -215,15 +215,18 @@ TEST(Changes, survive_twenty_kills_bit_for_bit_and_none_that_was_acknowledged_is
             for (std::size_t i = 0; i < points.size(); ++i)
                 EXPECT_EQ((*after)[i].height_m, before[i].height_m) << round << ' ' << i;
         }
-        const Said said =
-            ctl(url, {"set", fmt::format("systems.0.wind_speed_10m_mps={}", 6 + 3 * (round % 5)),
-                      fmt::format("sea.depth_m={}", 20 + 10 * (round % 3)), "--over", "20s"});
-        ASSERT_EQ(said.code, 0) << said.words;
+        // Three kills within each glide, of which eight in a row at most may cut each other.
+        if (round % 3 == 0) {
+            const Said said = ctl(
+                url, {"set", fmt::format("systems.0.wind_speed_10m_mps={}", 6 + 3 * (round % 5)),
+                      fmt::format("sea.depth_m={}", 20 + 10 * (round % 4)), "--over", "10s"});
+            ASSERT_EQ(said.code, 0) << said.words;
+        }
         const auto asked = client->ask(points, {.exact = true, .timeout_s = 60});
         ASSERT_TRUE(asked) << asked.error().message;
         before = *asked;
         // Before the glide, at its beginning, and well within it.
-        const auto most_ms = round % 5 == 0 ? 4000 : 1000;
+        const auto most_ms = round % 5 == 0 ? 3000 : 500;
         std::this_thread::sleep_for(std::chrono::milliseconds(random() % most_ms));
         server.send(SIGKILL);
         EXPECT_TRUE(server.wait_for_exit(std::chrono::seconds(10)));

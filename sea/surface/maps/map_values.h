@@ -10,12 +10,17 @@
 #include <utility>
 #include <vector>
 
+#include "base/large_vector.h"
+
 namespace seaway::sea {
 
 class MapValues {
   public:
+    using Floats = LargeVector<float>;
+
     MapValues() = default;
-    MapValues(std::vector<float> own) : own_(std::move(own)), values_(own_) {}
+    MapValues(Floats own) : own_(std::move(own)), values_(own_) {}
+    MapValues(const std::vector<float>& values) : MapValues(Floats(values.begin(), values.end())) {}
     /// `keeper` is let go with the values: until then they stay where they are.
     static MapValues lent(std::span<float> values, std::shared_ptr<const void> keeper) {
         MapValues made;
@@ -24,7 +29,7 @@ class MapValues {
         return made;
     }
 
-    MapValues(const MapValues& other) : MapValues(std::vector<float>(other.begin(), other.end())) {}
+    MapValues(const MapValues& other) : MapValues(Floats(other.begin(), other.end())) {}
     MapValues(MapValues&& other) noexcept
         : own_(std::move(other.own_)), values_(std::exchange(other.values_, {})),
           keeper_(std::move(other.keeper_)) {}
@@ -38,7 +43,7 @@ class MapValues {
 
     bool is_lent() const { return keeper_ != nullptr; }
     /// Memory of its own, given away; empty where it was lent.
-    std::vector<float> take() {
+    Floats take() {
         values_ = {};
         keeper_ = nullptr;
         return std::exchange(own_, {});
@@ -56,19 +61,19 @@ class MapValues {
     const float& operator[](std::size_t i) const { return values_[i]; }
 
     void resize(std::size_t size) {
-        change([&](std::vector<float>& own) { own.resize(size); });
+        change([&](Floats& own) { own.resize(size); });
     }
     void assign(std::size_t size, float value) {
-        change([&](std::vector<float>& own) { own.assign(size, value); });
+        change([&](Floats& own) { own.assign(size, value); });
     }
     void clear() { take(); }
     /// `at` must be end().
     template <class Iterator>
     void insert(const float*, Iterator first, Iterator last) {
-        change([&](std::vector<float>& own) { own.insert(own.end(), first, last); });
+        change([&](Floats& own) { own.insert(own.end(), first, last); });
     }
     void insert(const float*, std::size_t count, float value) {
-        change([&](std::vector<float>& own) { own.insert(own.end(), count, value); });
+        change([&](Floats& own) { own.insert(own.end(), count, value); });
     }
 
     friend bool operator==(const MapValues& a, const MapValues& b) {
@@ -86,7 +91,7 @@ class MapValues {
         values_ = own_;
     }
 
-    std::vector<float> own_;
+    Floats own_;
     std::span<float> values_; ///< own_, or lent
     std::shared_ptr<const void> keeper_;
 };

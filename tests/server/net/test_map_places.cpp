@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whose turn it is for a map, and who stands in line.
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/net/map_places.h"
+
+namespace seaway::tests {
+namespace {
+
+using server::Address;
+using server::AddressPtr;
+using server::MapPlaces;
+using server::MapReader;
+using server::NetOptions;
+
+/// Nobody leaves the line.
+const MapPlaces::Waits waits = [] { return true; };
+
+// Naive: whichever place comes back counts as the one that was ending, and who could have waited for that is refused.
+TEST(MapPlaces, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) {
+    std::deque<std::function<void()>> posted;
+    MapPlaces places(2,
+                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    const auto settle = [&] {
+        for (; !posted.empty(); posted.pop_front())
+            posted.front()();
+    };
+    std::vector<MapPlaces::Place> held;
+    const auto one = std::make_shared<Address>("one", NetOptions{});
+    const auto ask = [&] {
+        return places.ask(
+            one, [&](MapPlaces::Place place) { held.push_back(std::move(place)); }, waits);
+    };
+    ASSERT_TRUE(ask());
+    MapPlaces::Place ending = std::move(held.back());
+    held.clear();
+    places.ends(ending);
+    ASSERT_TRUE(ask());
+    held.clear(); // refused, it never was a map
+    settle();
+    ASSERT_TRUE(ask()) << "the other place";
+    ASSERT_TRUE(ask()) << "that of the one that ends";
+    EXPECT_EQ(held.size(), 1u);
+    EXPECT_FALSE(ask()) << "and no third";
+    ending.reset();
+    settle();
+    EXPECT_EQ(held.size(), 2u);
+    held.clear();
+    settle();
+    places.stop();
+}
+
+// Naive: who gave up still stands in line, and his address with him.
+TEST(MapPlaces, who_leaves_the_line_leaves_nothing_there) {
+    std::deque<std::function<void()>> posted;
+    MapPlaces places(1,
+                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    const auto one = std::make_shared<Address>("one", NetOptions{});
+    const auto two = std::make_shared<Address>("two", NetOptions{});
+    MapPlaces::Place held, mine;
+    ASSERT_TRUE(places.ask(
+        one, [&](MapPlaces::Place place) { held = std::move(place); }, waits));
+    bool patient = true;
+    const auto ask = [&] {
+        return places.ask(
+            two, [&](MapPlaces::Place place) { mine = std::move(place); },
+            [&patient] { return patient; });
+    };
+    ASSERT_TRUE(ask());
+    EXPECT_FALSE(ask()) << "waits already";
+    patient = false;
+    EXPECT_TRUE(places.ask(
+        two, [&](MapPlaces::Place place) { mine = std::move(place); }, waits))
+        << "as one that has none";
+    held = nullptr;
+    for (; !posted.empty(); posted.pop_front())
+        posted.front()();
+    EXPECT_NE(mine, nullptr);
+    mine = nullptr;
+    for (; !posted.empty(); posted.pop_front())
+        posted.front()();
+    places.stop();
+}
+
+// Naive: who gives way is looked for when somebody asks, and never again while he waits.
+TEST(MapPlaces, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
+    struct Reader final : MapReader {
+        double behind_s = 0;
+        bool gave_way = false;
+        MapPlaces::Place place;
+        MapPlaces* places = nullptr;
+        std::chrono::duration<double> behind() const override {
+            return std::chrono::duration<double>(behind_s);
+        }
+        void give_way() override {
+            gave_way = true;
+            places->ends(place);
+            place = nullptr;
+        }
+    };
+    std::deque<std::function<void()>> posted;
+    MapPlaces places(1,
+                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    const auto slow = std::make_shared<Reader>();
+    slow->places = &places;
+    const auto one = std::make_shared<Address>("one", NetOptions{});
+    const auto two = std::make_shared<Address>("two", NetOptions{});
+    ASSERT_TRUE(places.ask(
+        one, [&](MapPlaces::Place place) { slow->place = std::move(place); }, waits));
+    places.reads(slow);
+    MapPlaces::Place mine;
+    ASSERT_TRUE(places.ask(
+        two, [&](MapPlaces::Place place) { mine = std::move(place); }, waits));
+    places.look_again();
+    EXPECT_FALSE(slow->gave_way);
+    slow->behind_s = 0.1;
+    places.look_again();
+    EXPECT_TRUE(slow->gave_way);
+    places.look_again(); // and nobody more than is waited for
+    for (; !posted.empty(); posted.pop_front())
+        posted.front()();
+    EXPECT_NE(mine, nullptr);
+    mine = nullptr;
+    for (; !posted.empty(); posted.pop_front())
+        posted.front()();
+    places.stop();
+    EXPECT_FALSE(places.ask(
+        two, [](const MapPlaces::Place&) {}, waits))
+        << "it stops";
+}
+
+// Naive: whoever asks at the right instant has the next place, which is who asks without pause.
+TEST(MapPlaces, an_address_that_has_none_is_next_whoever_asks_without_pause) {
+    std::deque<std::function<void()>> posted;
+    MapPlaces places(2,
+                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    const auto settle = [&] {
+        for (; !posted.empty(); posted.pop_front())
+            posted.front()();
+    };
+    std::deque<MapPlaces::Place> greedy, other;
+    const auto address = [](const char* name) {
+        return std::make_shared<Address>(name, NetOptions{});
+    };
+    const AddressPtr one = address("one"), two = address("two"), three = address("three");
+    const auto ask = [&](const AddressPtr& who, std::deque<MapPlaces::Place>& held) {
+        return places.ask(
+            who, [&](MapPlaces::Place place) { held.push_back(std::move(place)); }, waits);
+    };
+    ASSERT_TRUE(ask(one, greedy) && ask(one, greedy));
+    EXPECT_FALSE(ask(one, greedy));
+    EXPECT_TRUE(ask(two, other)) << "waits";
+    EXPECT_FALSE(ask(two, other)) << "once";
+    EXPECT_TRUE(ask(three, other));
+    EXPECT_TRUE(other.empty());
+    greedy.pop_front();
+    settle();
+    EXPECT_EQ(other.size(), 1u);
+    EXPECT_FALSE(ask(one, greedy));
+    other.clear(); // two has had its map: three is next, before one
+    settle();
+    EXPECT_EQ(other.size(), 1u);
+    other.clear();
+    settle();
+    EXPECT_TRUE(ask(one, greedy)) << "nobody waits";
+    greedy.clear();
+    settle();
+    EXPECT_TRUE(ask(two, other) && ask(two, other)) << "nothing is remembered";
+    other.clear();
+    settle();
+    places.stop();
+}
+
+} // namespace
+} // namespace seaway::tests
