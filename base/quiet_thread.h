@@ -16,7 +16,7 @@ class QuietThreads {
         sigfillset(&all);
         for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT, SIGSYS})
             sigdelset(&all, own);
-        pthread_sigmask(SIG_SETMASK, &all, &before_);
+        pthread_sigmask(SIG_BLOCK, &all, &before_);
     }
     ~QuietThreads() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
     QuietThreads(const QuietThreads&) = delete;

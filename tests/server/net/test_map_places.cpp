@@ -22,17 +22,29 @@ using server::NetOptions;
 /// Nobody leaves the line.
 const MapPlaces::Waits waits = [] { return true; };
 
-// Naive: whichever place comes back counts as the one that was ending, and who could have waited for that is refused.
-TEST(MapPlaces, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) {
+/// Places, and what they hand to the io thread, which the test is.
+class Places : public ::testing::Test {
+  protected:
     std::deque<std::function<void()>> posted;
-    MapPlaces places(2,
-                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
-    const auto settle = [&] {
+    const AddressPtr one = address("one"), two = address("two"), three = address("three");
+
+    static AddressPtr address(const char* name) {
+        return std::make_shared<Address>(name, NetOptions{});
+    }
+    MapPlaces made(int most) {
+        return MapPlaces(most,
+                         [this](std::function<void()> work) { posted.push_back(std::move(work)); });
+    }
+    void settle() {
         for (; !posted.empty(); posted.pop_front())
             posted.front()();
-    };
+    }
+};
+
+// Naive: whichever place comes back counts as the one that was ending, and who could have waited for that is refused.
+TEST_F(Places, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) {
+    MapPlaces places = made(2);
     std::vector<MapPlaces::Place> held;
-    const auto one = std::make_shared<Address>("one", NetOptions{});
     const auto ask = [&] {
         return places.ask(
             one, [&](MapPlaces::Place place) { held.push_back(std::move(place)); }, waits);
@@ -57,12 +69,8 @@ TEST(MapPlaces, one_that_is_ending_is_waited_for_whatever_others_did_meanwhile) 
 }
 
 // Naive: who gave up still stands in line, and his address with him.
-TEST(MapPlaces, who_leaves_the_line_leaves_nothing_there) {
-    std::deque<std::function<void()>> posted;
-    MapPlaces places(1,
-                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
-    const auto one = std::make_shared<Address>("one", NetOptions{});
-    const auto two = std::make_shared<Address>("two", NetOptions{});
+TEST_F(Places, who_leaves_the_line_leaves_nothing_there) {
+    MapPlaces places = made(1);
     MapPlaces::Place held, mine;
     ASSERT_TRUE(places.ask(
         one, [&](MapPlaces::Place place) { held = std::move(place); }, waits));
@@ -79,17 +87,15 @@ TEST(MapPlaces, who_leaves_the_line_leaves_nothing_there) {
         two, [&](MapPlaces::Place place) { mine = std::move(place); }, waits))
         << "as one that has none";
     held = nullptr;
-    for (; !posted.empty(); posted.pop_front())
-        posted.front()();
+    settle();
     EXPECT_NE(mine, nullptr);
     mine = nullptr;
-    for (; !posted.empty(); posted.pop_front())
-        posted.front()();
+    settle();
     places.stop();
 }
 
 // Naive: who gives way is looked for when somebody asks, and never again while he waits.
-TEST(MapPlaces, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
+TEST_F(Places, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
     struct Reader final : MapReader {
         double behind_s = 0;
         bool gave_way = false;
@@ -104,13 +110,9 @@ TEST(MapPlaces, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
             place = nullptr;
         }
     };
-    std::deque<std::function<void()>> posted;
-    MapPlaces places(1,
-                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
+    MapPlaces places = made(1);
     const auto slow = std::make_shared<Reader>();
     slow->places = &places;
-    const auto one = std::make_shared<Address>("one", NetOptions{});
-    const auto two = std::make_shared<Address>("two", NetOptions{});
     ASSERT_TRUE(places.ask(
         one, [&](MapPlaces::Place place) { slow->place = std::move(place); }, waits));
     places.reads(slow);
@@ -123,12 +125,10 @@ TEST(MapPlaces, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
     places.look_again();
     EXPECT_TRUE(slow->gave_way);
     places.look_again(); // and nobody more than is waited for
-    for (; !posted.empty(); posted.pop_front())
-        posted.front()();
+    settle();
     EXPECT_NE(mine, nullptr);
     mine = nullptr;
-    for (; !posted.empty(); posted.pop_front())
-        posted.front()();
+    settle();
     places.stop();
     EXPECT_FALSE(places.ask(
         two, [](const MapPlaces::Place&) {}, waits))
@@ -136,19 +136,9 @@ TEST(MapPlaces, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
 }
 
 // Naive: whoever asks at the right instant has the next place, which is who asks without pause.
-TEST(MapPlaces, an_address_that_has_none_is_next_whoever_asks_without_pause) {
-    std::deque<std::function<void()>> posted;
-    MapPlaces places(2,
-                     [&posted](std::function<void()> work) { posted.push_back(std::move(work)); });
-    const auto settle = [&] {
-        for (; !posted.empty(); posted.pop_front())
-            posted.front()();
-    };
+TEST_F(Places, an_address_that_has_none_is_next_whoever_asks_without_pause) {
+    MapPlaces places = made(2);
     std::deque<MapPlaces::Place> greedy, other;
-    const auto address = [](const char* name) {
-        return std::make_shared<Address>(name, NetOptions{});
-    };
-    const AddressPtr one = address("one"), two = address("two"), three = address("three");
     const auto ask = [&](const AddressPtr& who, std::deque<MapPlaces::Place>& held) {
         return places.ask(
             who, [&](MapPlaces::Place place) { held.push_back(std::move(place)); }, waits);
