@@ -13,7 +13,7 @@
 namespace seaway {
 namespace {
 
-constexpr std::size_t bytes_max = 64 * 1024;
+constexpr std::size_t file_bytes_max = 64 * 1024;
 
 std::optional<std::string> word_of(const toml::node& node) {
     if (const auto* text = node.as_string())
@@ -55,7 +55,7 @@ Result<FileOption> option_of(const std::string& path, const std::string& name,
 } // namespace
 
 Result<std::vector<FileOption>> read_options_file(const std::string& path) {
-    const Result<std::string> text = read_text_file(path, bytes_max);
+    const Result<std::string> text = read_text_file(path, file_bytes_max);
     if (!text)
         return Error{fmt::format("{}: {}", path, text.error().message)};
     SEAWAY_TRY_LET(const TomlDocument document, TomlDocument::parse(*text, path));

@@ -46,7 +46,7 @@ HeldKeyframePtr HeldKeyframe::as_spline(const HeldKeyframePtr& whole) {
     const sea::Keyframe& from = whole->keyframe();
     sea::Keyframe rest{from.epoch, from.cascade, from.time_us, from.size, from.length_m, {}, {}};
     for (const Field field : from.fields) {
-        if (sea::surface_fields.contains({field}))
+        if (sea::surface_fields.contains(field))
             continue;
         rest.fields.insert(field);
         const std::span<const float> plane = from.plane(field);

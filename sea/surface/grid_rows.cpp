@@ -46,7 +46,7 @@ std::span<const LagrangianPoint> GridRows::next() {
         return {};
     using spline_channel::height, spline_channel::displacement_x, spline_channel::displacement_y;
     rows_[2] = mixed(row_ + 1);
-    const auto& [south, here, north] = rows_;
+    const auto &south = rows_[0], &here = rows_[1], &north = rows_[2];
     const auto between = [](const F4& a, const F4& b, const F4& c) {
         return (a + c) * (1.0f / 6) + b * (2.0f / 3);
     };

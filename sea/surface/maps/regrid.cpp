@@ -14,10 +14,10 @@ namespace seaway::sea {
 namespace {
 
 constexpr int lanes = lines_at_once;
-constexpr int pitch = 2 * lanes;
+constexpr int lines_pitch = 2 * lanes;
 constexpr int side_max = 4096;
 
-LineKernel kernel_for(Instructions instructions) {
+LineKernel kernel_for([[maybe_unused]] Instructions instructions) {
 #if defined(SEAWAY_X86)
     if (instructions != Instructions::portable)
         return transform_lines_avx2;
@@ -27,7 +27,7 @@ LineKernel kernel_for(Instructions instructions) {
 
 std::size_t floats(int lines_rounded_up, int length) {
     const auto groups = static_cast<std::size_t>((lines_rounded_up + lanes - 1) / lanes);
-    return groups * static_cast<std::size_t>(length) * pitch;
+    return groups * static_cast<std::size_t>(length) * lines_pitch;
 }
 
 /// Where a lattice index stands in a transform.
@@ -200,19 +200,19 @@ void Regrid::rows_in(std::span<const float> a, std::span<const float> b, Scratch
             const std::size_t first =
                 static_cast<std::size_t>(y0 + row) * static_cast<std::size_t>(n);
             for (int x = 0; x < n; ++x) {
-                line[x * pitch + row] = a[first + static_cast<std::size_t>(x)];
-                line[x * pitch + lanes + row] = b[first + static_cast<std::size_t>(x)];
+                line[x * lines_pitch + row] = a[first + static_cast<std::size_t>(x)];
+                line[x * lines_pitch + lanes + row] = b[first + static_cast<std::size_t>(x)];
             }
         }
         const float* done = kernel(transform, line, memory.other.data());
         for (int i = 0; i <= 2 * reach_; ++i) {
-            const float* from = done + place(i - reach_, n) * pitch;
+            const float* from = done + place(i - reach_, n) * lines_pitch;
             float* to = memory.columns_in.data() +
                         (static_cast<std::size_t>(i / lanes) * static_cast<std::size_t>(n) +
                          static_cast<std::size_t>(y0)) *
-                            pitch +
+                            lines_pitch +
                         i % lanes;
-            for (int row = 0; row < rows; ++row, to += pitch) {
+            for (int row = 0; row < rows; ++row, to += lines_pitch) {
                 to[0] = from[row];
                 to[lanes] = from[lanes + row];
             }
@@ -241,7 +241,7 @@ void Regrid::turn(const Rotations& rotations, Scratch& memory) const {
     const auto at = [&](int i, int j) {
         const int column = i + reach_;
         return memory.columns_in.data() + static_cast<std::size_t>(column / lanes) * floats(1, n) +
-               place(j, n) * pitch + column % lanes;
+               place(j, n) * lines_pitch + column % lanes;
     };
     const auto turned = [](const Rotations::Turn& turn, float re, float im, float other_re,
                            float other_im, float* to) {
@@ -276,8 +276,8 @@ void Regrid::columns_back(Way way, const Orbits* orbits, Scratch& memory) const 
         float* line = memory.columns_out.data() + group * floats(1, m);
         std::fill_n(line, floats(1, m), 0.0f);
         for (int j = -reach_; j <= reach_; ++j) {
-            const float* from = waves + place(j, n) * pitch;
-            float* to = line + place(j, m) * pitch;
+            const float* from = waves + place(j, n) * lines_pitch;
+            float* to = line + place(j, m) * lines_pitch;
             for (int lane = 0; lane < lanes && i0 + lane <= 2 * reach_; ++lane) {
                 const int i = i0 + lane - reach_;
                 if (4 * (i * i + j * j) >= smaller_ * smaller_)
@@ -314,10 +314,10 @@ void Regrid::rows_out(std::span<float> a, std::span<float> b, Scratch& memory) c
             const float* from = memory.columns_out.data() +
                                 (static_cast<std::size_t>(i / lanes) * static_cast<std::size_t>(m) +
                                  static_cast<std::size_t>(y0)) *
-                                    pitch +
+                                    lines_pitch +
                                 i % lanes;
-            float* to = line + place(i - reach_, m) * pitch;
-            for (int row = 0; row < rows; ++row, from += pitch) {
+            float* to = line + place(i - reach_, m) * lines_pitch;
+            for (int row = 0; row < rows; ++row, from += lines_pitch) {
                 to[row] = from[0];
                 to[lanes + row] = from[lanes];
             }
@@ -328,7 +328,7 @@ void Regrid::rows_out(std::span<float> a, std::span<float> b, Scratch& memory) c
                 float* to =
                     map.data() + static_cast<std::size_t>(y0 + row) * static_cast<std::size_t>(m);
                 for (int x = 0; x < m; ++x)
-                    to[x] = done[x * pitch + part + row];
+                    to[x] = done[x * lines_pitch + part + row];
             }
     }
 }
