@@ -5,6 +5,7 @@
 #include <span>
 
 #include "sea/surface/answer.h"
+#include "sea/surface/surface.h"
 
 namespace seaway::client {
 
@@ -24,8 +25,21 @@ struct Sampling {
     /// The times are meant as those of now_us(), or of moments at a distance from it: what the clock may be off by is part of
     /// error_m. Three samples instead of one.
     bool of_now = false;
-    /// Keyframes answer where they cover the time, though there are waves.
+    /// Keyframes that came answer where they cover the time, though there are waves.
     bool keyframes_first = false;
+    /// Where waves answer, each point by their sum: no maps are made of them (wave_maps.h).
+    bool summed = false;
+
+    /// The same of some of its points.
+    Sampling of(std::size_t first, std::size_t count) const {
+        Sampling some = *this;
+        if (!memory.empty())
+            some.memory = memory.subspan(first, count);
+        if (!terms.empty())
+            some.terms = terms.subspan(first, count);
+        return some;
+    }
+    sea::Answering answering(sea::MixedMaps& mixed) const { return {parts, &mixed, memory, terms}; }
 };
 
 } // namespace seaway::client

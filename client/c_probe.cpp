@@ -50,12 +50,13 @@ Result<void> sample_as(const seaway_client& client, const seaway_sampling* how,
         return bad(fmt::format("seaway_sampling.parts is {}: it must be 0 or 1", given.parts));
     if (given.times > SEAWAY_TIMES_OF_NOW)
         return bad(fmt::format("seaway_sampling.times is {}: it must be 0 or 1", given.times));
-    if (given.from > SEAWAY_TILES_FIRST)
-        return bad(fmt::format("seaway_sampling.from is {}: it must be 0 or 1", given.from));
+    if (given.from > SEAWAY_WAVES_SUMMED)
+        return bad(fmt::format("seaway_sampling.from is {}: it must be 0 to 2", given.from));
     Sampling some;
     some.terms = terms;
     some.of_now = given.times == SEAWAY_TIMES_OF_NOW;
     some.keyframes_first = given.from == SEAWAY_TILES_FIRST;
+    some.summed = given.from == SEAWAY_WAVES_SUMMED;
     if (given.parts == SEAWAY_HEIGHT_ALONE)
         some.parts = sea::AnswerParts::height;
     if (given.probe) {

@@ -161,6 +161,7 @@ void Client::forget_waves(std::uint32_t epoch) {
     received_.erase(epoch);
     arriving_.erase(epoch);
     glides_.erase(epoch);
+    maps_of_waves_.forget(epoch);
     seen_until_us_.erase(epoch);
 }
 
@@ -399,19 +400,12 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
             ++end;
         const std::span<const QueryPoint> asked = points.subspan(first, end - first);
         const std::span<Answer> answered = answers.subspan(first, end - first);
-        sea::Answering some{how.parts, &surfaces.mixed(), {}, {}};
-        if (!how.memory.empty())
-            some.memory = how.memory.subspan(first, end - first);
-        if (!how.terms.empty())
-            some.terms = how.terms.subspan(first, end - first);
+        const Sampling some = how.of(first, end - first);
         first = end;
-        if (then.waves) {
-            then.waves->answer(asked, answered, some.terms);
-            if (how.parts == sea::AnswerParts::height)
-                for (Answer& answer : answered)
-                    leave_out_velocity(answer);
-        } else
-            surface->surface.answer(asked, answered, some);
+        if (then.waves)
+            answer_from_waves(then, asked, answered, some);
+        else
+            surface->surface.answer(asked, answered, some.answering(surfaces.mixed()));
         const bool beyond = !then.waves && !surface->covers;
         for (std::size_t i = 0; i < asked.size(); ++i)
             if (beyond || late || !then.known.has(asked[i].time_us))

@@ -57,6 +57,7 @@
 #include "client/staleness.h"
 #include "client/status.h"
 #include "client/subscriptions.h"
+#include "client/wave_maps.h"
 
 namespace seaway::client {
 
@@ -354,6 +355,12 @@ class Client {
     Result<bool> hold_then(SeaThen& then, const KeyframeRing& ring, sea::TimeUs time_us,
                            HeldSurfaces& surfaces, HeldSurfaces::Lent& surface,
                            bool keyframes_first) const;
+    /// Of one cascade: of keyframes that came where they cover the time, else of waves, and what those are off by.
+    Result<LocalSurface> surface_of(const SeaStatePtr& state, sea::TimeUs time_us, int cascade,
+                                    sea::FieldSet needed, RebuiltError& waves_off) const;
+    /// All of the sea of `then`, by sums or by maps, whichever costs less.
+    void answer_from_waves(const SeaThen& then, std::span<const sea::QueryPoint> points,
+                           std::span<sea::Answer> answers, const Sampling& how) const;
     Result<void> sample_from(const KeyframeRing& ring, HeldSurfaces& surfaces,
                              std::span<const sea::QueryPoint> points,
                              std::span<sea::Answer> answers, const Sampling& how) const;
@@ -391,7 +398,8 @@ class Client {
         OwnSeaPtr sea;
     };
     mutable std::map<std::uint32_t, Glide> glides_; ///< likewise
-    mutable std::mutex making_glides_;              ///< before mutex_
+    mutable MapsOfSeas maps_of_waves_;
+    mutable std::mutex making_glides_; ///< before mutex_
     sea::FieldSet not_offered_;
     std::optional<Grant> grant_;
     std::vector<Wanted*> wanted_;

@@ -366,6 +366,7 @@ void Client::forget_sea() {
     received_.clear();
     arriving_.clear();
     glides_.clear();
+    maps_of_waves_.clear();
     ring_.clear();
     surfaces_.follow(ring_);
     for (Wanted* wanted : wanted_)

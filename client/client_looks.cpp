@@ -21,11 +21,14 @@ double sideways(const sea::Choppiness& choppiness) {
     return std::max(choppiness.x, choppiness.y);
 }
 
-/// A sea of which nothing is felt.
-void lie_flat(const sea::QueryPoint& point, Water& water) {
-    if (std::isfinite(point.x_m) && std::isfinite(point.y_m))
-        return;
+/// A sea of which nothing is felt; its foam is seen.
+void lie_flat(const sea::QueryPoint& point, const HeldFoam& foam, Water& water) {
     const double nan = std::nan("");
+    const bool is_water = std::isfinite(point.x_m) && std::isfinite(point.y_m);
+    water.foam = is_water ? foam.at({point.x_m, point.y_m}) : nan;
+    water.foam_late = is_water && foam.is_beyond();
+    if (is_water)
+        return;
     water.answer = {nan, {nan, nan, nan}, {nan, nan, nan}, nan, sea::answer_invalid};
     water.displacement_m[0] = water.displacement_m[1] = water.jacobian = nan;
 }
@@ -77,35 +80,37 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
         }
     };
     if (cascades == 0) {
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            lie_flat(points[i], water[i]);
-            const bool is_water = std::isfinite(water[i].answer.height_m);
-            water[i].foam = is_water ? foam.at({points[i].x_m, points[i].y_m}) : std::nan("");
-            water[i].foam_late = is_water && foam.is_beyond();
-        }
+        for (std::size_t i = 0; i < points.size(); ++i)
+            lie_flat(points[i], foam, water[i]);
         return {};
     }
-    if (const OwnSeaPtr waves = own_sea(state)) {
-        waves->at(time_us, [&](const RebuiltSea& sea) {
-            const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
-            for (std::size_t i = 0; i < points.size(); ++i)
-                answers[i] = sea.answer(points[i], moment);
-            keep(0);
-            const sea::Choppiness choppiness = sea.sum().sea().choppiness;
-            put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
-                moment, sideways(choppiness) * sea.error().displacement_m);
-        });
+    std::optional<LocalSurface> held;
+    const OwnSeaPtr waves = own_sea(state);
+    if (!waves) {
+        SEAWAY_TRY_LET(held, local_surface(*state, ring_, time_us, sampled_fields(), cascades));
+    } else if (const std::shared_ptr<WaveMaps> maps =
+                   cascades & 1u ? maps_of_waves_.of(state, waves) : nullptr)
+        held = maps->surface(time_us, points.size(), cascades);
+    if (held) {
+        const sea::Surface& surface = held->surface;
+        surface.answer(points, answers);
+        keep(held->covers ? 0u : sea::answer_extrapolated);
+        put(
+            {surface.choppiness(), sea::inverse_tolerance_m(state->height_error_m),
+             surface.folds()},
+            [&](double x_m, double y_m) { return surface.at(x_m, y_m, time_us); },
+            surface.fold_blur_m());
         return {};
     }
-    SEAWAY_TRY_LET(const LocalSurface held,
-                   local_surface(*state, ring_, time_us, sampled_fields(), cascades));
-    const sea::Surface& surface = held.surface;
-    surface.answer(points, answers);
-    keep(held.covers ? 0u : sea::answer_extrapolated);
-    put(
-        {surface.choppiness(), sea::inverse_tolerance_m(state->height_error_m), surface.folds()},
-        [&](double x_m, double y_m) { return surface.at(x_m, y_m, time_us); },
-        surface.fold_blur_m());
+    waves->at(time_us, [&](const RebuiltSea& sea) {
+        const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            answers[i] = sea.answer(points[i], moment);
+        keep(0);
+        const sea::Choppiness choppiness = sea.sum().sea().choppiness;
+        put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
+            moment, sideways(choppiness) * sea.error().displacement_m);
+    });
     return {};
 }
 
@@ -246,6 +251,20 @@ void fill(const sea::Surface* surface, TimeUs time_us,
 
 } // namespace
 
+Result<LocalSurface> Client::surface_of(const SeaStatePtr& state, TimeUs time_us, int cascade,
+                                        sea::FieldSet needed, RebuiltError& waves_off) const {
+    Result<LocalSurface> came = local_surface(*state, ring_, time_us, needed, 1u << cascade);
+    if (came && came->covers)
+        return came;
+    const OwnSeaPtr waves = own_sea(state);
+    const std::shared_ptr<WaveMaps> maps = waves ? maps_of_waves_.of(state, waves) : nullptr;
+    std::optional<LocalSurface> made = maps ? maps->map(time_us, cascade) : std::nullopt;
+    if (!made)
+        return came;
+    waves_off = waves->error();
+    return *std::move(made);
+}
+
 Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
                                std::span<const std::optional<sea::Field>> channels) const {
     SEAWAY_TRY(check_time(time_us));
@@ -270,11 +289,14 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
         std::optional<LocalSurface> held;
         const sea::FieldSet needed = needed_surface(channels);
         if (!needed.empty()) {
-            SEAWAY_TRY_LET(held, local_surface(*state, ring_, time_us, needed, 1u << index));
+            RebuiltError waves_off;
+            SEAWAY_TRY_LET(held, surface_of(state, time_us, cascade, needed, waves_off));
             const sea::SplineMap& spline = *held->surface.pairs().front().before;
             map.size = spline.size();
             map.length_m = spline.length_m();
             put_bounds(held->surface, map);
+            map.error_m += waves_off.height_m;
+            map.displacement_error_m += waves_off.displacement_m;
         } else {
             map.size = foam->before->keyframe().size;
             map.length_m = foam->before->keyframe().length_m;

@@ -107,4 +107,29 @@ OwnSeaPtr Client::own_sea(const WavesOf& of) const {
     return sea;
 }
 
+void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPoint> points,
+                               std::span<sea::Answer> answers, const Sampling& how) const {
+    const std::shared_ptr<WaveMaps> maps =
+        how.summed ? nullptr : maps_of_waves_.of(then.state, then.waves);
+    HeldSurfaces::Lent surface;
+    for (std::size_t first = 0; first < points.size();) {
+        const TimeSpan span = maps ? cell_span(*then.state, points[first].time_us) : TimeSpan{};
+        std::size_t end = first + 1, times = 1;
+        for (; end < points.size() && span.contains(points[end].time_us); ++end)
+            times += points[end].time_us != points[end - 1].time_us ? 1 : 0;
+        const auto asked = points.subspan(first, end - first);
+        const auto answered = answers.subspan(first, end - first);
+        const Sampling some = how.of(first, end - first);
+        first = end;
+        if (maps && maps->lend(asked.front().time_us, asked.size(), times, surface)) {
+            surface->surface.answer(asked, answered, some.answering(maps->mixed()));
+            continue;
+        }
+        then.waves->answer(asked, answered, some.terms);
+        if (how.parts == sea::AnswerParts::height)
+            for (sea::Answer& answer : answered)
+                leave_out_velocity(answer);
+    }
+}
+
 } // namespace seaway::client

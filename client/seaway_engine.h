@@ -196,7 +196,7 @@ typedef struct seaway_water {
 
 /* seaway_sample with all that is known of a point. `stride`: bytes from one seaway_water to the next, sizeof(seaway_water): of
  * a newer library no more than that is written. Displacement and Jacobian are NaN where the surface is folded and the
- * sheet of the answer is not found again. From tiles some 3 us a point more than seaway_sample, from waves twice to three times as long as it; allocates. NULL looking: all waves. */
+ * sheet of the answer is not found again. From tiles, and from keyframes of waves, some 3 us a point more than seaway_sample, where they are summed two to three times as long as it; allocates. NULL looking: all waves. */
 seaway_code seaway_sample_water(const seaway_client* client, const seaway_looking* looking,
                                 const seaway_point* points, size_t count, seaway_water* water,
                                 size_t stride);
@@ -256,10 +256,16 @@ enum {
     SEAWAY_TIMES_OF_NOW = 1
 };
 
-/* Where a client has both waves and keyframes: which of them answer. */
+/* What answers, where a client has waves. Points are summed of them, some 60 us each of a gale, until that has taken as long
+ * as keyframes of their time would, which are then made of the waves (3 to 4 ms each at 256 x 256, by whoever asks; two a
+ * cascade at first, later one an interval): from these a point takes 0.5 to 1 us, and error_m is that of keyframes. So
+ * nobody waits for more than twice what the cheaper way takes, and the water moves from one to the other within error_m. A sea that
+ * changes is summed. */
 enum {
-    SEAWAY_WAVES_FIRST = 0, /* to a hundredth of the error, at fifty times the cost */
-    SEAWAY_TILES_FIRST = 1  /* keyframes where they cover the time, waves where they do not */
+    SEAWAY_WAVES_FIRST = 0, /* waves, and their keyframes, though tiles have come */
+    SEAWAY_TILES_FIRST = 1, /* tiles where they cover the time, else as before */
+    SEAWAY_WAVES_SUMMED =
+        2 /* waves, each point summed: a hundredth of the error, whatever it takes */
 };
 
 typedef struct seaway_sampling {
@@ -268,7 +274,7 @@ typedef struct seaway_sampling {
     /* The i-th of the points is its i-th one, in every call; no more points than it has. NULL: nothing is known of them. */
     seaway_probe* probe;
     uint32_t times; /* SEAWAY_STATED_TIMES or SEAWAY_TIMES_OF_NOW */
-    uint32_t from;  /* SEAWAY_WAVES_FIRST or SEAWAY_TILES_FIRST */
+    uint32_t from;  /* SEAWAY_WAVES_FIRST to SEAWAY_WAVES_SUMMED */
 } seaway_sampling;
 
 /* seaway_sample in other ways; NULL how: as that. With a probe a point that moves little from call to call takes two thirds of
@@ -290,7 +296,7 @@ typedef struct seaway_terms {
     double
         time_m; /* the curve in time between two keyframes; more where they come further apart than the sea says */
     double
-        space_m; /* the curve in space between grid points; with waves that maps were cut by (seaway_wish.size_max) */
+        space_m; /* the curve in space between grid points; with waves that maps lack (seaway_wish.size_max; SEAWAY_SPECTRUM) */
     double
         inverse_m; /* the place is met to a tolerance; and a sheet beside that may be the higher one */
     double
@@ -333,9 +339,9 @@ typedef struct seaway_map {
     size_t bytes;   /* that this wish takes */
 } seaway_map;
 
-/* One cascade at one time into `texels`, which has room for `bytes`; NULL: `map` alone is filled in. From keyframes, whatever else
- * is held; SEAWAY_NOT_HELD without. Foam needs SEAWAY_FOAM in seaway_wish.fields. A sum of all cascades at (x, y) is the
- * undisplaced sea there, which is then moved. Some 2 ms at 256 x 256. Nothing beyond a row's texels is written. */
+/* One cascade at one time into `texels`, which has room for `bytes`; NULL: `map` alone is filled in. From keyframes that came where they cover the time, else from such as are made of
+ * the waves of a sea that does not change; SEAWAY_NOT_HELD without. Foam needs SEAWAY_FOAM in seaway_wish.fields. A sum of all cascades at (x, y) is the
+ * undisplaced sea there, which is then moved. Some 2 ms at 256 x 256, 7 more where two keyframes are to be made. Nothing beyond a row's texels is written. */
 seaway_code seaway_get_map(const seaway_client* client, const seaway_map_wish* wish, void* texels,
                            size_t bytes, seaway_map* map);
 

@@ -92,25 +92,30 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
 
 Result<BenchRow> measure_local(Client& client, const QueryOptions& options,
                                const std::atomic<bool>& stop) {
-    const std::vector<sea::QueryPoint> points =
-        random_points(options.bench_points, client.now_us());
-    SEAWAY_TRY(client.fetch_and_sample(points, options.timeout_s));
+    std::vector<sea::QueryPoint> points = random_points(options.bench_points, client.now_us());
+    const bool waves = options.source != Source::tiles;
+    if (!waves)
+        SEAWAY_TRY(client.fetch_and_sample(points, options.timeout_s));
     std::vector<double> round_trips_ms;
     const auto start = steady_clock::now();
     do {
+        const sea::TimeUs now_us = client.now_us();
+        for (sea::QueryPoint& point : points)
+            point.time_us = waves ? now_us : point.time_us;
         const auto sent = steady_clock::now();
         if (const Result<std::vector<sea::Answer>> answers = client.sample(points); !answers)
             return answers.error();
         round_trips_ms.push_back(milliseconds_since(sent));
     } while (!stop && steady_clock::now() - start < duration);
-    return finished({"local", options.bench_points, 1, 0, 0, 0, 0}, std::move(round_trips_ms),
-                    milliseconds_since(start));
+    return finished({waves ? "waves" : "local", options.bench_points, 1, 0, 0, 0, 0},
+                    std::move(round_trips_ms), milliseconds_since(start));
 }
 
 } // namespace
 
 Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,
                        std::FILE* out) {
+    SEAWAY_TRY(make_ready(client, options, true));
     std::vector<BenchRow> rows;
     std::vector<int> ways{1, in_flight_many};
     if (options.local)

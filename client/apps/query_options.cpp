@@ -128,8 +128,6 @@ Result<void> check(const QueryOptions& options) {
                 "--exact and --local exclude each other: only the server has the exact sum"));
     SEAWAY_TRY(require(options.local || options.source == Source::tiles,
                        "--from says what --local answers from"));
-    SEAWAY_TRY(require(options.bench_points == 0 || options.source == Source::tiles,
-                       "--bench measures answers from tiles or the server: it takes no --from"));
     SEAWAY_TRY(require(options.bench_points == 0 || (options.min_wavelength_m == 0 && !options.z_m),
                        "--bench measures answers of the surface, of all waves: it takes no "
                        "--min-wavelength and no --z"));

@@ -203,23 +203,6 @@ ClientEvents telling() {
     }};
 }
 
-/// Has what the options want to be answered from; of the waves of a scene, anew for each sea. `now`: some points are of now.
-Result<void> make_ready(Client& client, const QueryOptions& options, bool now) {
-    if (options.local && options.source == Source::scene)
-        return now ? client.rebuild(client.now_us()) : Result<void>{};
-    if (options.local && options.source == Source::spectrum) {
-        SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
-    } else if (options.watch_hz > 0 && options.local) {
-        constexpr int credit = 2;
-        protocol::TileWish wish{.fields = sea::surface_fields};
-        options.limits.put_into(wish);
-        SEAWAY_TRY_LET(const Grant grant, client.subscribe(wish, credit, options.timeout_s));
-        if (!grant.why.empty())
-            complain("seaway-query", 0, "granted less: " + grant.why);
-    }
-    return {};
-}
-
 /// Nothing where the server may still answer, or come back: the error then has been said.
 std::optional<Error> for_good(const Client& client, const Error& error, std::string& said) {
     const ClientStatus status = client.status();
@@ -235,6 +218,22 @@ std::optional<Error> for_good(const Client& client, const Error& error, std::str
 }
 
 } // namespace
+
+Result<void> make_ready(Client& client, const QueryOptions& options, bool now) {
+    if (options.local && options.source == Source::scene)
+        return now ? client.rebuild(client.now_us()) : Result<void>{};
+    if (options.local && options.source == Source::spectrum) {
+        SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
+    } else if (options.watch_hz > 0 && options.local) {
+        constexpr int credit = 2;
+        protocol::TileWish wish{.fields = sea::surface_fields};
+        options.limits.put_into(wish);
+        SEAWAY_TRY_LET(const Grant grant, client.subscribe(wish, credit, options.timeout_s));
+        if (!grant.why.empty())
+            complain("seaway-query", 0, "granted less: " + grant.why);
+    }
+    return {};
+}
 
 double next_beat_s(double elapsed_s, double hz) {
     return (std::floor(elapsed_s * hz) + 1) / hz;

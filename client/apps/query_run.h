@@ -26,8 +26,11 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
 /// costs beats, and tries in vain cost none.
 double next_beat_s(double elapsed_s, double hz);
 
+/// Has what `options` are to be answered from; of the waves of a scene, anew for each sea. `now`: some points are of now.
+Result<void> make_ready(Client& client, const QueryOptions& options, bool now);
+
 /// Random points on 10 km around the origin, now: queries one after the other, then several at
-/// once, about two seconds each.
+/// once, about two seconds each. Local ones of tiles are of the time at which it began, of waves of that of each query.
 Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,
                        std::FILE* out);
 

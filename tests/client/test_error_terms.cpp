@@ -256,8 +256,8 @@ TEST_F(ErrorTerms, are_given_to_programs_of_other_headers_and_refused_by_name) {
     };
     refused("times is 7: it must be 0 or 1");
     how = times_of(0);
-    how.from = 2;
-    refused("from is 2: it must be 0 or 1");
+    how.from = 3;
+    refused("from is 3: it must be 0 to 2");
     how.from = 0;
     refused("stride is 71: it must be sizeof(seaway_terms)", 71);
     EXPECT_NE(refusal(seaway_sample_terms(client.handle(), &how, points.data(), 1, nullptr, 128))

@@ -86,7 +86,7 @@ TEST(Options, that_make_no_sense_are_exit_code_2) {
         {"ws://a:1", "--at", "1,2", "--exact", "--local"},
         {"ws://a:1", "--at", "1,2", "--from", "scene"},
         {"ws://a:1", "--at", "1,2", "--local", "--from", "x"},
-        {"ws://a:1", "--bench", "2", "--local", "--from", "scene"},
+        {"ws://a:1", "--bench", "2", "--from", "scene"}, // which --local alone answers from
         {"ws://a:1", "--at", "1,2", "--points", "x.csv"},
         {"ws://a:1", "--at", "1,2", "--bench", "5"},
         {"ws://a:1", "--bench", "0"},

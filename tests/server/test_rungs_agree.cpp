@@ -94,6 +94,99 @@ TEST_F(RungsAgree,
     EXPECT_LT(open, compared / 100) << "else nothing was compared";
 }
 
+/// From waves, each point summed.
+std::vector<seaway_answer> summed(const Sea& sea, const std::vector<seaway_point>& points) {
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.from = SEAWAY_WAVES_SUMMED;
+    std::vector<seaway_answer> answers(points.size());
+    EXPECT_EQ(seaway_sample_as(sea.handle(), &how, points.data(), points.size(), answers.data()),
+              SEAWAY_OK)
+        << seaway_last_error();
+    return answers;
+}
+
+// Six keyframes of 256 x 256 are some 20 ms, a sum 60 us: 3 points are summed, 2000 are worth maps.
+TEST_F(RungsAgree, who_has_waves_sums_few_points_and_makes_maps_for_many_within_their_bounds) {
+    std::vector<seaway_point> many = points(2000);
+    for (seaway_point& point : many)
+        point.time_us = many[0].time_us;
+    const std::vector<seaway_point> few(many.begin(), many.begin() + 3);
+    for (const std::uint32_t from : {SEAWAY_FROM_SPECTRUM, SEAWAY_FROM_PARAMETERS}) {
+        Sea& sea = *seas[from];
+        const std::vector<seaway_answer> truth = summed(sea, many);
+        for (std::size_t i = 0; i < few.size(); ++i)
+            EXPECT_EQ(sea.sample(few)[i].height_m, truth[i].height_m) << "to the bit: a sum itself";
+        const std::vector<seaway_answer> answers = sea.sample(many);
+        int maps = 0;
+        for (std::size_t i = 0; i < many.size(); ++i) {
+            EXPECT_EQ(answers[i].flags & SEAWAY_EXTRAPOLATED, 0u);
+            if (open_at(answers[i], truth[i]))
+                continue;
+            EXPECT_LE(std::abs(answers[i].height_m - truth[i].height_m),
+                      answers[i].error_m + truth[i].error_m);
+            maps += answers[i].error_m > truth[i].error_m;
+        }
+        EXPECT_GT(maps, 1900) << "which cost more of the error, less of the time";
+        EXPECT_EQ(sea.sample(few)[0].error_m, answers[0].error_m) << "and are there from then on";
+    }
+}
+
+TEST_F(RungsAgree, whole_maps_and_all_that_is_known_of_points_come_of_waves_as_of_tiles) {
+    std::vector<seaway_point> many = points(1000);
+    for (seaway_point& point : many)
+        point.time_us = many[0].time_us;
+    std::map<std::uint32_t, std::vector<seaway_water>> water;
+    std::map<std::uint32_t, std::vector<float>> texels;
+    std::map<std::uint32_t, seaway_map> maps;
+    for (const std::uint32_t from :
+         {SEAWAY_FROM_TILES, SEAWAY_FROM_SPECTRUM, SEAWAY_FROM_PARAMETERS}) {
+        seaway_client* client = seas[from]->handle();
+        water[from].resize(many.size());
+        ASSERT_EQ(seaway_sample_water(client, nullptr, many.data(), many.size(), water[from].data(),
+                                      sizeof(seaway_water)),
+                  SEAWAY_OK)
+            << seaway_last_error();
+        seaway_map_wish wish = SEAWAY_SIZED(seaway_map_wish);
+        wish.cascade = 1;
+        wish.time_us = many[0].time_us;
+        wish.channels = 2;
+        wish.field[0] = SEAWAY_HEIGHT;
+        wish.field[1] = SEAWAY_DISPLACEMENT_Y;
+        seaway_map& map = maps[from] = SEAWAY_SIZED(seaway_map);
+        ASSERT_EQ(seaway_get_map(client, &wish, nullptr, 0, &map), SEAWAY_OK)
+            << seaway_last_error();
+        texels[from].resize(map.bytes / sizeof(float));
+        ASSERT_EQ(seaway_get_map(client, &wish, texels[from].data(), map.bytes, &map), SEAWAY_OK)
+            << seaway_last_error();
+        EXPECT_EQ(map.flags, 0u);
+    }
+    const std::uint32_t tiles = SEAWAY_FROM_TILES;
+    for (const std::uint32_t from : {SEAWAY_FROM_SPECTRUM, SEAWAY_FROM_PARAMETERS}) {
+        for (std::size_t i = 0; i < many.size(); ++i) {
+            const seaway_water &here = water[tiles][i], &there = water[from][i];
+            if (open_at(here.answer, there.answer))
+                continue;
+            EXPECT_LE(std::abs(here.answer.height_m - there.answer.height_m),
+                      here.answer.error_m + there.answer.error_m);
+            for (int axis = 0; axis < 2; ++axis)
+                EXPECT_LE(std::abs(here.displacement_m[axis] - there.displacement_m[axis]),
+                          here.displacement_error_m + there.displacement_error_m);
+        }
+        ASSERT_EQ(texels[from].size(), texels[tiles].size());
+        double largest_m = 0;
+        for (std::size_t i = 0; i < texels[tiles].size(); i += 2) {
+            const float *here = &texels[tiles][i], *there = &texels[from][i];
+            EXPECT_LE(std::abs(here[0] - there[0]), maps[tiles].error_m + maps[from].error_m);
+            EXPECT_LE(std::abs(here[1] - there[1]),
+                      maps[tiles].displacement_error_m + maps[from].displacement_error_m);
+            largest_m = std::max<double>(largest_m, std::abs(there[0]));
+        }
+        EXPECT_GT(largest_m, 0.3) << "a cascade of a gale";
+    }
+    EXPECT_GT(maps[SEAWAY_FROM_SPECTRUM].error_m, maps[SEAWAY_FROM_PARAMETERS].error_m)
+        << "with what the spectrum left out";
+}
+
 // The gale's cascades end at bands; a ship of 60 m feels some of them.
 TEST_F(RungsAgree, waves_that_are_too_short_are_left_out_alike_by_all_sources) {
     const std::vector<seaway_point> asked = points(400);

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps that a client makes of waves: answers from them are within their bounds of the exact sum, and they are made where
+// so much is asked that sums would cost more, neither sooner nor later.
+#include <random>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "client/wave_maps.h"
+#include "sea/surface/budget/error_budget.h"
+#include "tests/client/announced_scene.h"
+#include "tests/support/allocations.h"
+
+namespace seaway::client {
+namespace {
+
+class WaveMapsOf : public ::testing::Test {
+  protected:
+    const sea::RealizationPtr waves = tests::announced_waves();
+    const sea::ErrorBudget budget = sea::plan_budget(*waves, 0.01);
+    const sea::TimeUs interval_us = std::ranges::min(budget.cascades, {}, of_interval).interval_us;
+    const SeaStatePtr state = told();
+    static constexpr std::size_t cascades = 2;
+    const sea::DirectSum truth{waves};
+    std::mt19937_64 random{5};
+
+    static sea::TimeUs of_interval(const sea::CascadeBudget& cascade) {
+        return cascade.interval_us;
+    }
+    /// The sea of announced_scene.h with what its maps cost, as a server says it; all of one interval.
+    SeaStatePtr told() const {
+        auto values = std::make_shared<SeaState>(tests::announced());
+        values->interpolation_error_m = budget.interpolation_m;
+        values->interpolation_displacement_m = budget.interpolation_displacement_m;
+        values->interpolation_strain = budget.interpolation_strain;
+        values->single_precision_m = budget.single_precision_m;
+        values->single_precision_displacement_m = budget.single_precision_displacement_m;
+        values->displacement_reach_m = budget.displacement_reach_m;
+        values->rms_strain = budget.rms_strain;
+        for (std::size_t c = 0; c < cascades; ++c) {
+            values->cascades[c].interval_us = interval_us;
+            values->losses.push_back(budget.cascades[c].loss);
+        }
+        return values;
+    }
+    OwnSeaPtr sea_off_by(const RebuiltError& error) const {
+        return std::make_shared<const RebuiltSea>(waves, *state, error);
+    }
+    std::vector<sea::QueryPoint> points(std::size_t count, sea::TimeUs time_us) {
+        std::uniform_real_distribution<double> place(-1e5, 1e5);
+        std::vector<sea::QueryPoint> made;
+        for (std::size_t i = 0; i < count; ++i)
+            made.push_back({place(random), place(random), time_us});
+        return made;
+    }
+    sea::Answer exact(const sea::QueryPoint& point) const {
+        return sea::surface_at(point, {waves->choppiness, 1e-9, sea::FoldSearch{}},
+                               truth.at_time(point.time_us));
+    }
+    /// So many points of one time are worth all of its keyframes.
+    static constexpr std::size_t many = 1'000'000;
+};
+
+// Bounds of maps are five standard deviations; none of some thousand answers lies beyond.
+TEST_F(WaveMapsOf, a_sea_answer_within_their_bounds_of_the_exact_sum_at_any_time) {
+    WaveMaps maps(state, sea_off_by({}));
+    const sea::TimeUs times[] = {0,
+                                 1,
+                                 3 * interval_us,
+                                 -1,
+                                 -interval_us / 3,
+                                 123'456'789,
+                                 -987'654'321'012,
+                                 900'000'000'000'123};
+    double worst_bound_m = 0, largest_m = 0;
+    for (const sea::TimeUs time_us : times) {
+        const auto asked = points(400, time_us);
+        HeldSurfaces::Lent surface;
+        ASSERT_TRUE(maps.lend(time_us, many, 1, surface)) << time_us;
+        std::vector<sea::Answer> answers(asked.size());
+        surface->surface.answer(asked, answers, {.mixed = &maps.mixed()});
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            const sea::Answer is = exact(asked[i]);
+            EXPECT_EQ(answers[i].flags & sea::answer_extrapolated, 0u);
+            EXPECT_LE(std::abs(answers[i].height_m - is.height_m), answers[i].error_m)
+                << "at " << time_us;
+            for (int axis = 0; axis < 3; ++axis) // a gentle sea: to 2 degrees, and 5 cm/s
+                EXPECT_NEAR(answers[i].normal[axis], is.normal[axis], 0.035);
+            worst_bound_m = std::max(worst_bound_m, answers[i].error_m);
+            largest_m = std::max(largest_m, std::abs(is.height_m));
+        }
+    }
+    EXPECT_LE(worst_bound_m, 0.02) << "the scene's error is 0.01, on a slope";
+    EXPECT_GT(largest_m, 0.5) << "a sea of Hs above 1 m";
+}
+
+TEST_F(WaveMapsOf, a_sea_that_is_off_say_so) {
+    WaveMaps right(state, sea_off_by({})), off(state, sea_off_by({0.03, 0.02, 0.01}));
+    const auto asked = points(100, 77'000);
+    std::vector<sea::Answer> of_right(asked.size()), of_off(asked.size());
+    for (const auto& [maps, answers] : {std::pair(&right, &of_right), {&off, &of_off}}) {
+        HeldSurfaces::Lent surface;
+        ASSERT_TRUE(maps->lend(77'000, many, 1, surface));
+        surface->surface.answer(asked, *answers);
+    }
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+        EXPECT_EQ(of_off[i].height_m, of_right[i].height_m);
+        EXPECT_GE(of_off[i].error_m, 0.03);
+        EXPECT_LE(of_off[i].error_m, of_right[i].error_m + 0.03 + 0.02);
+    }
+    EXPECT_GE(off.surface(77'000, many, 1u)->surface.flat_height_bound_m(), 0.03)
+        << "of the first cascade alone, too";
+}
+
+// By what they would cost, whichever way it is asked: a point now and then is never worth four keyframes.
+TEST_F(WaveMapsOf, a_sea_are_made_once_sums_have_cost_as_much) {
+    WaveMaps maps(state, sea_off_by({}));
+    HeldSurfaces::Lent surface;
+    double waves_count = 0;
+    for (const sea::CascadeModes& modes : waves->cascades)
+        waves_count += static_cast<double>(
+            std::ranges::count_if(modes.h0, [](const auto& h0) { return h0 != 0.0; }));
+    const double keyframes_us = map_point_us * 2 * 2 * 64 * 64;
+    const double sum_us = waves_count * (sum_wave_us + sum_wave_time_us);
+    const auto worth = static_cast<int>(std::ceil(keyframes_us / sum_us));
+    ASSERT_GT(worth, 5) << "else this shows little";
+    for (int i = 1; i < worth; ++i)
+        ASSERT_FALSE(maps.lend(1000 + i, 1, 1, surface)) << i << " of " << worth;
+    EXPECT_EQ(maps.made(), 0u);
+    EXPECT_TRUE(maps.lend(900, 1, 1, surface));
+    EXPECT_EQ(maps.made(), 2 * cascades) << "two a cascade";
+    for (int i = 0; i < 100; ++i)
+        EXPECT_TRUE(maps.lend(2000 * i, 1, 1, surface)) << "all of the same keyframes";
+    EXPECT_EQ(maps.made(), 2 * cascades);
+    // Of the next interval one of each pair is there already.
+    for (int i = 1; i < (worth + 1) / 2; ++i)
+        ASSERT_FALSE(maps.lend(interval_us + 1, 1, 1, surface)) << i;
+    EXPECT_TRUE(maps.lend(interval_us + 1, 2, 1, surface));
+    EXPECT_EQ(maps.made(), 3 * cascades);
+}
+
+TEST_F(WaveMapsOf, a_sea_are_not_made_for_points_that_are_all_of_other_times) {
+    WaveMaps maps(state, sea_off_by({}));
+    HeldSurfaces::Lent surface;
+    for (int i = 0; i < 5000; ++i)
+        EXPECT_FALSE(maps.lend(i * 10 * interval_us, 1, 1, surface));
+    EXPECT_EQ(maps.made(), 0u);
+}
+
+TEST_F(WaveMapsOf, a_sea_hold_four_keyframes_a_cascade) {
+    WaveMaps maps(state, sea_off_by({}));
+    HeldSurfaces::Lent surface;
+    for (const int interval :
+         {0, 10, 0, 10, 0, 10}) // two times in turns: all that is needed is there
+        ASSERT_TRUE(maps.lend(interval * interval_us, many, 1, surface));
+    EXPECT_EQ(maps.made(), 4 * cascades);
+    ASSERT_TRUE(maps.lend(20 * interval_us, many, 1, surface));
+    EXPECT_EQ(maps.made(), 6 * cascades);
+    EXPECT_FALSE(maps.lend(1, 1, 1, surface)) << "the first have gone";
+    EXPECT_TRUE(maps.lend(10 * interval_us, 1, 1, surface));
+}
+
+TEST_F(WaveMapsOf, a_sea_allocate_nothing_once_they_are_made) {
+    WaveMaps maps(state, sea_off_by({}));
+    const auto asked = points(64, 1000);
+    std::vector<sea::Answer> answers(asked.size());
+    for (int round = 0; round < 3; ++round) {
+        const tests::Allocations now;
+        HeldSurfaces::Lent surface;
+        ASSERT_TRUE(maps.lend(1000 + round, many, 1, surface));
+        surface->surface.answer(asked, answers, {.mixed = &maps.mixed()});
+        if (round > 0) {
+            EXPECT_EQ(now.count(), 0u);
+        }
+    }
+}
+
+// What a tile is too large to be transformed for is summed.
+TEST_F(WaveMapsOf, a_sea_without_a_transform_are_never_made) {
+    auto larger = std::make_shared<sea::Realization>(*waves);
+    larger->cascades[1].spec.size = 48; // no power of two
+    larger->cascades[1].h0.resize(48 * 48);
+    larger->cascades[1].rate.resize(48 * 48);
+    WaveMaps maps(state, std::make_shared<const RebuiltSea>(larger, *state, RebuiltError{}));
+    HeldSurfaces::Lent surface;
+    EXPECT_FALSE(maps.lend(0, many, 1, surface));
+    EXPECT_FALSE(maps.map(0, 0)) << "not even in part";
+    EXPECT_EQ(maps.made(), 0u);
+}
+
+// More threads than there are places for surfaces, at more times than there is room for keyframes.
+TEST_F(WaveMapsOf, a_sea_answer_many_threads_each_at_its_own_time) {
+    WaveMaps maps(state, sea_off_by({}));
+    std::vector<std::vector<sea::QueryPoint>> asked;
+    std::vector<std::vector<sea::Answer>> is;
+    for (int t = 0; t < 6; ++t) {
+        asked.push_back(points(20, t * 7 * interval_us + 1000));
+        is.emplace_back();
+        for (const sea::QueryPoint& point : asked.back())
+            is.back().push_back(exact(point));
+    }
+    std::atomic<int> lent = 0, wrong = 0;
+    std::vector<std::thread> threads;
+    for (std::size_t t = 0; t < asked.size(); ++t)
+        threads.emplace_back([&, t] {
+            std::vector<sea::Answer> answers(asked[t].size());
+            for (int round = 0; round < 20; ++round) {
+                HeldSurfaces::Lent surface;
+                if (!maps.lend(asked[t][0].time_us, many, 1, surface))
+                    continue;
+                ++lent;
+                surface->surface.answer(asked[t], answers, {.mixed = &maps.mixed()});
+                for (std::size_t i = 0; i < answers.size(); ++i)
+                    if (!(std::abs(answers[i].height_m - is[t][i].height_m) <=
+                          answers[i].error_m) ||
+                        (answers[i].flags & sea::answer_extrapolated))
+                        ++wrong;
+            }
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    EXPECT_EQ(wrong, 0);
+    EXPECT_EQ(lent, 6 * 20) << "others take no place away before it has been used";
+}
+
+} // namespace
+} // namespace seaway::client
