@@ -30,18 +30,22 @@ class WaveMapsOf : public ::testing::Test {
     /// The sea of announced_scene.h with what its maps cost, as a server says it; all of one interval.
     SeaStatePtr told() const {
         auto values = std::make_shared<SeaState>(tests::announced());
-        values->interpolation_error_m = budget.interpolation_m;
-        values->interpolation_displacement_m = budget.interpolation_displacement_m;
-        values->interpolation_strain = budget.interpolation_strain;
-        values->single_precision_m = budget.single_precision_m;
-        values->single_precision_displacement_m = budget.single_precision_displacement_m;
-        values->displacement_reach_m = budget.displacement_reach_m;
-        values->rms_strain = budget.rms_strain;
-        for (std::size_t c = 0; c < cascades; ++c) {
-            values->cascades[c].interval_us = interval_us;
-            values->losses.push_back(budget.cascades[c].loss);
-        }
+        put(budget, *values);
+        for (protocol::CascadeInfo& cascade : values->cascades)
+            cascade.interval_us = interval_us;
         return values;
+    }
+    static void put(const sea::ErrorBudget& costs, SeaState& values) {
+        values.interpolation_error_m = costs.interpolation_m;
+        values.interpolation_displacement_m = costs.interpolation_displacement_m;
+        values.interpolation_strain = costs.interpolation_strain;
+        values.single_precision_m = costs.single_precision_m;
+        values.single_precision_displacement_m = costs.single_precision_displacement_m;
+        values.displacement_reach_m = costs.displacement_reach_m;
+        values.rms_strain = costs.rms_strain;
+        values.height_error_m = costs.height_error_m;
+        for (const sea::CascadeBudget& cascade : costs.cascades)
+            values.losses.push_back(cascade.loss);
     }
     OwnSeaPtr sea_off_by(const RebuiltError& error) const {
         return std::make_shared<const RebuiltSea>(waves, *state, error);
@@ -173,6 +177,80 @@ TEST_F(WaveMapsOf, a_sea_allocate_nothing_once_they_are_made) {
             EXPECT_EQ(now.count(), 0u);
         }
     }
+}
+
+// Of a scene made by hand, as a client that rebuilds it has it: waves that are no modes are in its maps, too.
+TEST_F(WaveMapsOf, a_sea_of_stylised_waves_hold_them) {
+    const Result<sea::Scene> scene = sea::parse_scene(R"(
+[sea]
+seed = 3
+[[sea.system]]
+type = "sines"
+shape = "gerstner"
+length_m = 256.0
+count = 5
+amplitude_m = 0.6
+wavelength_m = 85.0
+from_deg = 250
+direction_spread_deg = 35
+[[cascade]]
+length_m = 256.0
+size = 64
+)",
+                                                      "sines", ".");
+    ASSERT_TRUE(scene) << scene.error().message;
+    const auto sines = std::make_shared<const sea::Realization>(*sea::realize(*scene));
+    const sea::ErrorBudget costs = sea::plan_budget(*sines, 0.05);
+    auto values = std::make_shared<SeaState>();
+    values->epoch = 1;
+    values->cascades = {
+        {.length_m = 256, .size = 64, .interval_us = costs.cascades[0].interval_us}};
+    values->choppiness_x = sines->choppiness.x;
+    values->choppiness_y = sines->choppiness.y;
+    put(costs, *values);
+    const sea::DirectSum sum(sines);
+    WaveMaps maps(values, std::make_shared<const RebuiltSea>(sines, *values, RebuiltError{}));
+    const auto asked = points(200, 12'345'678);
+    std::vector<sea::Answer> answers(asked.size());
+    HeldSurfaces::Lent surface;
+    ASSERT_TRUE(maps.lend(12'345'678, many, 1, surface));
+    surface->surface.answer(asked, answers);
+    double largest_m = 0;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+        const sea::Answer is = sea::surface_at(
+            asked[i], {sines->choppiness, 1e-9, sea::FoldSearch{}}, sum.at_time(12'345'678));
+        EXPECT_LE(std::abs(answers[i].height_m - is.height_m), answers[i].error_m);
+        largest_m = std::max(largest_m, std::abs(is.height_m));
+    }
+    EXPECT_GT(largest_m, 0.5);
+}
+
+TEST_F(WaveMapsOf, seas_are_held_of_two_steady_ones_while_their_waves_are_the_same) {
+    MapsOfSeas seas;
+    const auto of_epoch = [&](std::uint32_t epoch) {
+        auto other = std::make_shared<SeaState>(*state);
+        other->epoch = epoch;
+        return SeaStatePtr(other);
+    };
+    const SeaStatePtr states[] = {of_epoch(1), of_epoch(2), of_epoch(3)};
+    const OwnSeaPtr own = sea_off_by({}), better = sea_off_by({0.001, 0.001, 0});
+    const auto first = seas.of(states[0], own);
+    EXPECT_EQ(seas.of(states[0], own), first);
+    const auto second = seas.of(states[1], own);
+    EXPECT_NE(second, first);
+    EXPECT_EQ(seas.of(states[0], own), first);
+    const auto third = seas.of(states[2], own);
+    EXPECT_EQ(seas.of(states[1], own), second);
+    EXPECT_NE(seas.of(states[0], own), first) << "the one that came first has gone";
+    EXPECT_EQ(seas.of(states[2], own), third);
+    const auto more = seas.of(states[2], better);
+    EXPECT_NE(more, third) << "more of its waves have come";
+    EXPECT_EQ(seas.of(states[2], better), more);
+    seas.forget(3);
+    EXPECT_NE(seas.of(states[2], better), more);
+    auto glide = std::make_shared<SeaState>(*state);
+    glide->glide = protocol::GlideValues{.end_us = 10'000'000};
+    EXPECT_EQ(seas.of(glide, own), nullptr);
 }
 
 // What a tile is too large to be transformed for is summed.
