@@ -27,6 +27,8 @@ struct Sampling {
     bool of_now = false;
     /// Keyframes that came answer where they cover the time, though there are waves.
     bool keyframes_first = false;
+    /// Which waves count.
+    sea::Looking looking = {};
     /// Where waves answer, each point by their sum: no maps are made of them (wave_maps.h).
     bool summed = false;
 

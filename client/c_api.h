@@ -132,6 +132,9 @@ Result<Struct> sized(const Struct* given, std::size_t least, const char* name) {
     return made;
 }
 
+/// Which waves count; null: all.
+Result<Looking> looking_of(const seaway_looking* looking);
+
 /// Has the caller room for it? `least`: bytes that the first version had.
 template <class Struct>
 Result<void> has_room(const Struct* to, std::size_t least, const char* name) {

@@ -53,6 +53,7 @@ Result<void> sample_as(const seaway_client& client, const seaway_sampling* how,
     if (given.from > SEAWAY_WAVES_SUMMED)
         return bad(fmt::format("seaway_sampling.from is {}: it must be 0 to 2", given.from));
     Sampling some;
+    SEAWAY_TRY_LET(some.looking, looking_of(given.looking));
     some.terms = terms;
     some.of_now = given.times == SEAWAY_TIMES_OF_NOW;
     some.keyframes_first = given.from == SEAWAY_TILES_FIRST;

@@ -14,7 +14,9 @@ namespace {
 /// What the struct began with; all that follows may be missing.
 constexpr std::size_t looking_least = offsetof(seaway_looking, min_wavelength_m);
 
-Result<Looking> looking_of(const seaway_looking* looking) {
+} // namespace
+
+Result<Looking> seaway::client::c::looking_of(const seaway_looking* looking) {
     SEAWAY_TRY_LET(const seaway_looking given, sized(looking, looking_least, "seaway_looking"));
     if (!(given.min_wavelength_m >= 0 &&
           given.min_wavelength_m <= protocol::limits::position_m_max))
@@ -25,6 +27,8 @@ Result<Looking> looking_of(const seaway_looking* looking) {
         some.cascades = given.cascades;
     return some;
 }
+
+namespace {
 
 void put_below(const Below& found, seaway_below* below, std::size_t stride) {
     Out<seaway_below> out(below, stride);

@@ -354,15 +354,19 @@ Client::SeaThen Client::sea_then(TimeUs time_us) const {
 
 Result<bool> Client::hold_then(SeaThen& then, const KeyframeRing& ring, TimeUs time_us,
                                HeldSurfaces& surfaces, HeldSurfaces::Lent& surface,
-                               bool keyframes_first) const {
+                               const Sampling& how) const {
     const auto is_held = [&]() -> Result<void> {
-        if (!keyframes_first)
+        const std::uint32_t cascades = felt_cascades(*then.state, how.looking);
+        if (cascades == 0) // it lies flat
+            return {};
+        if (!how.keyframes_first)
             then.waves = own_sea(then.waves_of);
         if (then.waves)
             return {};
         splines_ahead_ = splines_ahead_max;
-        Result<void> lent = surfaces.lend(then.state, ring, time_us, sampled_fields(), surface);
-        if (keyframes_first && !(lent && surface->covers))
+        Result<void> lent =
+            surfaces.lend(then.state, ring, time_us, sampled_fields(), surface, cascades);
+        if (how.keyframes_first && !(lent && surface->covers))
             then.waves =
                 own_sea(then.waves_of); // which takes its time where the sea has just changed
         return then.waves ? Result<void>() : lent;
@@ -386,11 +390,11 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
         const TimeUs time_us = points[first].time_us;
         SeaThen then = sea_then(time_us);
         TimeSpan span = then.span;
-        SEAWAY_TRY_LET(const bool late,
-                       hold_then(then, ring, time_us, surfaces, surface, how.keyframes_first));
+        SEAWAY_TRY_LET(const bool late, hold_then(then, ring, time_us, surfaces, surface, how));
+        const bool flat = felt_cascades(*then.state, how.looking) == 0;
         if (late || (then.waves && how.keyframes_first)) // others may be covered
             span = {time_us, time_us};
-        if (!then.waves)
+        if (!then.waves && !flat)
             span = glides_choppiness(*then.state) ? TimeSpan{time_us, time_us}
                                                   : span.within(surface.times());
         // All that follows of the same keyframes, at once: points share what a time costs, and wait for memory together.
@@ -402,11 +406,13 @@ Result<void> Client::sample_from(const KeyframeRing& ring, HeldSurfaces& surface
         const std::span<Answer> answered = answers.subspan(first, end - first);
         const Sampling some = how.of(first, end - first);
         first = end;
-        if (then.waves)
+        if (flat)
+            lie_flat(asked, answered, some.terms);
+        else if (then.waves)
             answer_from_waves(then, asked, answered, some);
         else
             surface->surface.answer(asked, answered, some.answering(surfaces.mixed()));
-        const bool beyond = !then.waves && !surface->covers;
+        const bool beyond = !flat && !then.waves && !surface->covers;
         for (std::size_t i = 0; i < asked.size(); ++i)
             if (beyond || late || !then.known.has(asked[i].time_us))
                 answered[i].flags |= sea::answer_extrapolated;

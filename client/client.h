@@ -354,7 +354,7 @@ class Client {
     /// Has what answers of that time take: waves, or a surface. True: of its sea nothing has come yet, and `then` is the one before.
     Result<bool> hold_then(SeaThen& then, const KeyframeRing& ring, sea::TimeUs time_us,
                            HeldSurfaces& surfaces, HeldSurfaces::Lent& surface,
-                           bool keyframes_first) const;
+                           const Sampling& how) const;
     /// Of one cascade: of keyframes that came where they cover the time, else of waves, and what those are off by.
     Result<LocalSurface> surface_of(const SeaStatePtr& state, sea::TimeUs time_us, int cascade,
                                     sea::FieldSet needed, RebuiltError& waves_off) const;

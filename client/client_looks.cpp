@@ -88,8 +88,7 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
     const OwnSeaPtr waves = own_sea(state);
     if (!waves) {
         SEAWAY_TRY_LET(held, local_surface(*state, ring_, time_us, sampled_fields(), cascades));
-    } else if (const std::shared_ptr<WaveMaps> maps =
-                   cascades & 1u ? maps_of_waves_.of(state, waves) : nullptr)
+    } else if (const std::shared_ptr<WaveMaps> maps = maps_of_waves_.of(state, waves))
         held = maps->surface(time_us, points.size(), cascades);
     if (held) {
         const sea::Surface& surface = held->surface;

@@ -87,9 +87,11 @@ Result<void> Client::add_clock(std::span<const QueryPoint> points, std::span<Ans
         for (std::size_t i = 0; i < points.size(); ++i)
             moved[i].time_us =
                 std::clamp(points[i].time_us + by_us, -sea::time_us_max, sea::time_us_max);
-        SEAWAY_TRY(sample_from(
-            ring_, surfaces_, moved, there,
-            {.parts = sea::AnswerParts::height, .keyframes_first = how.keyframes_first}));
+        SEAWAY_TRY(sample_from(ring_, surfaces_, moved, there,
+                               {.parts = sea::AnswerParts::height,
+                                .keyframes_first = how.keyframes_first,
+                                .looking = how.looking,
+                                .summed = how.summed}));
         for (std::size_t i = 0; i < points.size(); ++i) {
             const Answer &here = answers[i], &then = there[i];
             // What is no bound there is none of what lies in between.

@@ -111,6 +111,7 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
                                std::span<sea::Answer> answers, const Sampling& how) const {
     const std::shared_ptr<WaveMaps> maps =
         how.summed ? nullptr : maps_of_waves_.of(then.state, then.waves);
+    const std::uint32_t cascades = felt_cascades(*then.state, how.looking);
     HeldSurfaces::Lent surface;
     for (std::size_t first = 0; first < points.size();) {
         const TimeSpan span = maps ? cell_span(*then.state, points[first].time_us) : TimeSpan{};
@@ -121,11 +122,11 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
         const auto answered = answers.subspan(first, end - first);
         const Sampling some = how.of(first, end - first);
         first = end;
-        if (maps && maps->lend(asked.front().time_us, asked.size(), times, surface)) {
+        if (maps && maps->lend(asked.front().time_us, asked.size(), times, surface, cascades)) {
             surface->surface.answer(asked, answered, some.answering(maps->mixed()));
             continue;
         }
-        then.waves->answer(asked, answered, some.terms);
+        then.waves->answer(asked, answered, some.terms, cascades);
         if (how.parts == sea::AnswerParts::height)
             for (sea::Answer& answer : answered)
                 leave_out_velocity(answer);

@@ -50,9 +50,9 @@ void HeldSurfaces::Lent::give_back() {
 }
 
 bool HeldSurfaces::fits(const Place& place, const SeaStatePtr& state, sea::TimeUs time_us,
-                        sea::FieldSet fields) {
+                        sea::FieldSet fields, std::uint32_t cascades) {
     if (!place.local || place.state != state || place.fields != fields ||
-        !place.times.contains(time_us))
+        place.cascades != cascades || !place.times.contains(time_us))
         return false;
     const sea::Choppiness& made = place.local->surface.choppiness();
     return made.x == state->choppiness_x_at(time_us) && made.y == state->choppiness_y_at(time_us);
@@ -65,22 +65,23 @@ void HeldSurfaces::take(Place& place, Lent& lent) {
 }
 
 Result<void> HeldSurfaces::lend(const SeaStatePtr& state, const KeyframeRing& ring,
-                                sea::TimeUs time_us, sea::FieldSet fields, Lent& lent) {
+                                sea::TimeUs time_us, sea::FieldSet fields, Lent& lent,
+                                std::uint32_t cascades) {
     lent.give_back();
     const std::uint64_t changes = ring.changes(); // before the ring is looked at
     {
         const std::scoped_lock lock(mutex_);
         for (Place& place : places_)
-            if (place.ring_changes == changes && fits(place, state, time_us, fields)) {
+            if (place.ring_changes == changes && fits(place, state, time_us, fields, cascades)) {
                 take(place, lent);
                 return {};
             }
     }
-    SEAWAY_TRY_LET(const HeldPairs held, held_pairs(*state, ring, time_us, fields));
+    SEAWAY_TRY_LET(const HeldPairs held, held_pairs(*state, ring, time_us, fields, cascades));
     const std::scoped_lock lock(mutex_);
     Place* oldest = nullptr;
     for (Place& place : places_) {
-        if (fits(place, state, time_us, fields) && place.local->covers == held.covers &&
+        if (fits(place, state, time_us, fields, cascades) && place.local->covers == held.covers &&
             made_of(place.local->surface, held)) {
             place.ring_changes = std::max(place.ring_changes, changes);
             take(place, lent);
@@ -99,6 +100,7 @@ Result<void> HeldSurfaces::lend(const SeaStatePtr& state, const KeyframeRing& ri
     }
     oldest->state = state;
     oldest->fields = fields;
+    oldest->cascades = cascades;
     oldest->times = times;
     oldest->ring_changes = changes;
     oldest->local.emplace(std::move(made));

@@ -34,6 +34,7 @@ class HeldSurfaces {
         std::uint64_t last_used = 0;
         SeaStatePtr state;
         sea::FieldSet fields;
+        std::uint32_t cascades = 0;
         TimeSpan times;
         std::uint64_t ring_changes = 0;
         std::optional<LocalSurface> local;
@@ -64,7 +65,7 @@ class HeldSurfaces {
 
     /// The surface around one time, as local_surface().
     Result<void> lend(const SeaStatePtr& state, const KeyframeRing& ring, sea::TimeUs time_us,
-                      sea::FieldSet fields, Lent& lent);
+                      sea::FieldSet fields, Lent& lent, std::uint32_t cascades = sea::all_cascades);
     /// For whoever asks a surface of these again and again about one time.
     sea::MixedMaps& mixed() { return mixed_; }
     /// Lets go of keyframes that the ring has let go.
@@ -72,7 +73,7 @@ class HeldSurfaces {
 
   private:
     static bool fits(const Place& place, const SeaStatePtr& state, sea::TimeUs time_us,
-                     sea::FieldSet fields);
+                     sea::FieldSet fields, std::uint32_t cascades);
     void take(Place& place, Lent& lent);
 
     static constexpr std::size_t places = 4;

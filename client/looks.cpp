@@ -87,6 +87,15 @@ std::uint32_t felt_cascades(const SeaState& state, const Looking& looking) {
     return felt;
 }
 
+void lie_flat(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+              std::span<sea::ErrorTerms> terms) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const bool is_water = std::isfinite(points[i].x_m) && std::isfinite(points[i].y_m);
+        answers[i] = is_water ? sea::Answer{} : sea::invalid_answer();
+    }
+    std::ranges::fill(terms, sea::ErrorTerms{});
+}
+
 std::optional<Vec2> put_movement(const sea::QueryPoint& point, const sea::InverseOptions& options,
                                  sea::LagrangianField field, double blur_m, Water& water) {
     std::optional<Vec2> place;

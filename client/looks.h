@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct SourceNow {
 using sea::Looking;
 /// The cascades of a sea that are left.
 std::uint32_t felt_cascades(const SeaState& state, const Looking& looking);
+
+/// Of a sea of which nothing is felt. `terms`: one a point, or none.
+void lie_flat(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+              std::span<sea::ErrorTerms> terms);
 
 struct Water {
     sea::Answer answer;

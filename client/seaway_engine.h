@@ -273,8 +273,9 @@ typedef struct seaway_sampling {
     uint32_t parts; /* SEAWAY_WITH_VELOCITY or SEAWAY_HEIGHT_ALONE */
     /* The i-th of the points is its i-th one, in every call; no more points than it has. NULL: nothing is known of them. */
     seaway_probe* probe;
-    uint32_t times; /* SEAWAY_STATED_TIMES or SEAWAY_TIMES_OF_NOW */
-    uint32_t from;  /* SEAWAY_WAVES_FIRST to SEAWAY_WAVES_SUMMED */
+    uint32_t times;                /* SEAWAY_STATED_TIMES or SEAWAY_TIMES_OF_NOW */
+    uint32_t from;                 /* SEAWAY_WAVES_FIRST to SEAWAY_WAVES_SUMMED */
+    const seaway_looking* looking; /* which waves count; NULL: all */
 } seaway_sampling;
 
 /* seaway_sample in other ways; NULL how: as that. With a probe a point that moves little from call to call takes two thirds of
@@ -408,7 +409,7 @@ SEAWAY_HAS_SIZE(seaway_source, 252);
 SEAWAY_HAS_SIZE(seaway_looking, 16);
 SEAWAY_HAS_SIZE(seaway_water, 112);
 SEAWAY_HAS_SIZE(seaway_below, 104);
-SEAWAY_HAS_SIZE(seaway_sampling, 24);
+SEAWAY_HAS_SIZE(seaway_sampling, 32);
 SEAWAY_HAS_SIZE(seaway_terms, 128);
 SEAWAY_HAS_SIZE(seaway_map_wish, 48);
 SEAWAY_HAS_SIZE(seaway_map, 56);

@@ -20,15 +20,15 @@ RingLimits two_times() {
     return limits;
 }
 
-double waves_of(const sea::Realization& sea) {
-    double waves = 0;
+std::vector<double> waves_of(const sea::Realization& sea) {
+    std::vector<double> counts;
     for (const sea::CascadeModes& modes : sea.cascades) {
-        waves += static_cast<double>(
-            std::ranges::count_if(modes.h0, [](const auto& h0) { return h0 != 0.0; }));
+        counts.push_back(static_cast<double>(
+            std::ranges::count_if(modes.h0, [](const auto& h0) { return h0 != 0.0; })));
         for (const sea::SineField& field : modes.sines)
-            waves += static_cast<double>(field.waves.size());
+            counts.back() += static_cast<double>(field.waves.size());
     }
-    return waves;
+    return counts;
 }
 
 double points_of(const sea::CascadeModes& modes) {
@@ -87,11 +87,14 @@ bool WaveMaps::are_worth(TimeUs time_us, std::size_t points, std::size_t times,
     const double cost_us = missing_us(time_us, cascades);
     if (cost_us == 0)
         return true;
+    double waves = 0;
+    for (std::size_t c = 0; c < waves_count_.size(); ++c)
+        waves += cascades >> c & 1u ? waves_count_[c] : 0;
     const std::scoped_lock lock(mutex_);
     Account& account = account_of(cell_span(*state_, time_us));
     account.last_used = ++uses_;
-    account.spent_us += waves_count_ * (sum_wave_us * static_cast<double>(points) +
-                                        sum_wave_time_us * static_cast<double>(times));
+    account.spent_us += waves * (sum_wave_us * static_cast<double>(points) +
+                                 sum_wave_time_us * static_cast<double>(times));
     if (account.spent_us < cost_us)
         return false;
     account.spent_us = 0;
@@ -165,23 +168,22 @@ bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
 }
 
 bool WaveMaps::lend(TimeUs time_us, std::size_t points, std::size_t times,
-                    HeldSurfaces::Lent& surface) {
-    if (!are_worth(time_us, points, times, sea::all_cascades))
+                    HeldSurfaces::Lent& surface, std::uint32_t cascades) {
+    if (!(cascades & 1u) || !are_worth(time_us, points, times, cascades))
         return false;
     const auto lent = [&] {
-        return surfaces_.lend(state_, ring_, time_us, sea::surface_fields, surface) &&
+        return surfaces_.lend(state_, ring_, time_us, sea::surface_fields, surface, cascades) &&
                surface->covers;
     };
-    if (missing_us(time_us, sea::all_cascades) == 0 && lent())
+    if (missing_us(time_us, cascades) == 0 && lent())
         return true;
     const std::scoped_lock making(making_); // who makes others takes their places
-    return make_what_lacks(time_us, sea::all_cascades) && lent();
+    return make_what_lacks(time_us, cascades) && lent();
 }
 
 std::optional<LocalSurface> WaveMaps::surface(TimeUs time_us, std::size_t points,
                                               std::uint32_t cascades) {
-    SEAWAY_CHECK(cascades & 1u, "the first cascade has what the waves are off by");
-    if (!are_worth(time_us, points, 1, cascades))
+    if (!(cascades & 1u) || !are_worth(time_us, points, 1, cascades))
         return std::nullopt;
     return made_surface(time_us, cascades);
 }

@@ -42,10 +42,11 @@ class WaveMaps {
         return state_ == state && waves_ == waves;
     }
 
-    /// The surface around a time, for so many more points, of so many times with its keyframes. False: these are to be summed.
+    /// The surface around a time, for so many more points, of so many times with its keyframes. False: these are to be summed,
+    /// as all are without the first cascade, which has what the waves are off by.
     bool lend(sea::TimeUs time_us, std::size_t points, std::size_t times,
-              HeldSurfaces::Lent& surface);
-    /// The same of some cascades, the first among them, for points of one time. Nothing: to be summed.
+              HeldSurfaces::Lent& surface, std::uint32_t cascades = sea::all_cascades);
+    /// The same for who keeps it, of points of one time. Nothing: to be summed.
     std::optional<LocalSurface> surface(sea::TimeUs time_us, std::size_t points,
                                         std::uint32_t cascades);
     /// Of one cascade, whatever it costs. What the waves are off by is no part of its errors, but of the first. Nothing: it
@@ -85,7 +86,7 @@ class WaveMaps {
     const SeaStatePtr state_;
     const OwnSeaPtr waves_;
     const sea::RealizationPtr sea_;
-    const double waves_count_;
+    const std::vector<double> waves_count_; ///< one a cascade
 
     KeyframeRing ring_;
     HeldSurfaces surfaces_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-query: the surface above points of a running sea, from the command line.
-#include <csignal>
 #include <cstdio>
 
 #include <fmt/format.h>
 
 #include "base/messages.h"
+#include "base/stop_wanted.h"
 #include "base/text_file.h"
 #include "client/apps/exit_code.h"
 #include "client/apps/query_options.h"
@@ -15,17 +15,6 @@ namespace {
 
 using namespace seaway;
 using namespace seaway::client;
-
-std::atomic<bool> stop = false;
-
-/// For what asks `stop` from time to time. The second signal ends the program, wherever it waits.
-void stop_by_signals() {
-    for (const int number : {SIGINT, SIGTERM})
-        std::signal(number, [](int again) {
-            stop = true;
-            std::signal(again, SIG_DFL);
-        });
-}
 
 Result<void> run(const QueryOptions& options) {
     std::vector<Place> places = options.at;
@@ -39,7 +28,7 @@ Result<void> run(const QueryOptions& options) {
     if (!token)
         return token.error();
     if (options.watch_hz > 0 || options.bench_points > 0)
-        stop_by_signals();
+        note_stop_signals();
     const Connect connect = [&](ClientEvents events) {
         Result<std::unique_ptr<Client>> client =
             Client::connect({.url = options.url,
@@ -51,9 +40,9 @@ Result<void> run(const QueryOptions& options) {
         return client ? std::move(client) : not_connected(options.url, client.error());
     };
     if (options.bench_points == 0)
-        return run_query(connect, options, places, stop, stdout);
+        return run_query(connect, options, places, stop_wanted(), stdout);
     const Result<std::unique_ptr<Client>> client = connect({});
-    return client ? run_bench(**client, options, stop, stdout) : client.error();
+    return client ? run_bench(**client, options, stop_wanted(), stdout) : client.error();
 }
 
 int run(int argc, char** argv) {

@@ -37,11 +37,11 @@ RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues
       error_(error) {}
 
 void RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms) const {
+                        std::span<sea::ErrorTerms> terms, std::uint32_t cascades) const {
     std::optional<sea::DirectSum::Moment> moment;
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!moment || points[i].time_us != points[i - 1].time_us)
-            moment = sum_.at_time(points[i].time_us);
+            moment = sum_.at_time(points[i].time_us, cascades);
         answers[i] = answer(points[i], *moment, terms.empty() ? nullptr : &terms[i]);
     }
 }

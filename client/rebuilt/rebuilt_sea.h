@@ -32,9 +32,11 @@ class OwnSea {
   public:
     virtual ~OwnSea() = default;
 
-    /// Points of equal times should stand together. All of the same length; `terms` may be empty.
+    /// Points of equal times should stand together. All of the same length; `terms` may be empty. `cascades`: of these alone,
+    /// a bit each.
     virtual void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms) const = 0;
+                        std::span<sea::ErrorTerms> terms,
+                        std::uint32_t cascades = sea::all_cascades) const = 0;
     /// Its waves at a time, and what they are off by then.
     virtual sea::RealizationPtr waves_at(sea::TimeUs time_us) const = 0;
     virtual RebuiltError error() const = 0;
@@ -51,7 +53,8 @@ class RebuiltSea final : public OwnSea {
                const RebuiltError& error, sea::WaveGrowth growth = {});
 
     void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                std::span<sea::ErrorTerms> terms) const override;
+                std::span<sea::ErrorTerms> terms,
+                std::uint32_t cascades = sea::all_cascades) const override;
     sea::RealizationPtr waves_at(sea::TimeUs) const override { return waves_; }
     RebuiltError error() const override { return error_; }
     void at(sea::TimeUs, const std::function<void(const RebuiltSea&)>& look) const override {

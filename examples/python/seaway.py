@@ -30,7 +30,8 @@ class Subscription(ctypes.Structure):
 
 class Sampling(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("parts", ctypes.c_uint32), ("probe", ctypes.c_void_p),
-                ("times", ctypes.c_uint32), ("reserved", ctypes.c_uint32)]
+                ("times", ctypes.c_uint32), ("from_", ctypes.c_uint32),
+                ("looking", ctypes.c_void_p)]
 
 
 class SeaAt(ctypes.Structure):

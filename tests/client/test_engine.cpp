@@ -371,13 +371,64 @@ TEST_F(Engine, waves_that_are_left_out_are_missing_from_heights_and_from_nothing
                 {longest->choppiness, 1e-9, sea::FoldSearch{}}, truth.at_time(points[i].time_us));
             EXPECT_LE(std::abs(water[i].answer.height_m - exact.height_m), water[i].answer.error_m);
         }
+        // Of hulls the same, step after step; all waves asked about in between.
+        seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+        how.looking = &looking;
+        std::vector<seaway_answer> answers(points.size());
+        for (const bool some : {true, false, true}) {
+            how.looking = some ? &looking : nullptr;
+            ASSERT_EQ(seaway_sample_as(client.handle(), &how, points.data(), points.size(),
+                                       answers.data()),
+                      SEAWAY_OK)
+                << seaway_last_error();
+            const std::vector<seaway_answer> all = client.sample(points);
+            for (std::size_t i = 0; i < points.size(); ++i)
+                EXPECT_EQ(answers[i].height_m, some ? water[i].answer.height_m : all[i].height_m);
+        }
     }
     looking.min_wavelength_m = -1;
     Sea client(net->url());
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.looking = &looking;
+    EXPECT_NE(refusal(seaway_sample_as(client.handle(), &how, points.data(), 0, nullptr))
+                  .find("min_wavelength_m is -1"),
+              std::string::npos);
     EXPECT_NE(refusal(seaway_sample_water(client.handle(), &looking, points.data(), 0, nullptr,
                                           sizeof(seaway_water)))
                   .find("min_wavelength_m is -1"),
               std::string::npos);
+}
+
+// Of a cascade that the sea has not, as of waves that are all too short: still water, whatever is held; a place that is none has none.
+TEST_F(Engine, who_feels_nothing_lies_on_still_water) {
+    seaway_looking looking = SEAWAY_SIZED(seaway_looking);
+    looking.cascades = 1u << 7;
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.looking = &looking;
+    std::vector<seaway_point> points = places(3);
+    points[1].x_m = std::nan("");
+    std::vector<seaway_terms> terms(points.size());
+    Sea client(net->url());
+    for (const int held : {0, 1, 2}) {
+        if (held > 0)
+            hold_sea(client, held == 1);
+        for (const std::uint32_t times : {SEAWAY_STATED_TIMES, SEAWAY_TIMES_OF_NOW}) {
+            how.times = times;
+            ASSERT_EQ(seaway_sample_terms(client.handle(), &how, points.data(), points.size(),
+                                          terms.data(), sizeof(seaway_terms)),
+                      SEAWAY_OK)
+                << seaway_last_error();
+            for (const std::size_t i : {0, 2}) {
+                EXPECT_EQ(terms[i].answer.height_m, 0);
+                EXPECT_EQ(terms[i].answer.normal[2], 1);
+                EXPECT_EQ(terms[i].answer.error_m, 0);
+                EXPECT_EQ(terms[i].answer.flags, 0u);
+                EXPECT_EQ(terms[i].clock_m, 0);
+            }
+            EXPECT_TRUE(std::isnan(terms[1].answer.height_m));
+            EXPECT_TRUE(terms[1].answer.flags & SEAWAY_INVALID);
+        }
+    }
 }
 
 TEST_F(Engine, the_worked_examples_of_the_header_work_in_c) {

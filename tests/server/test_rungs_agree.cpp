@@ -334,6 +334,14 @@ TEST_F(RungsAgree,
     const seaway_point point{0, 0, sea.now_us()};
     EXPECT_EQ(seaway_sample(sea.handle(), &point, 1, &answer), SEAWAY_NOT_HELD)
         << "of the other cascades nothing came";
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.looking = &looking;
+    seaway_water water{};
+    ASSERT_EQ(seaway_sample_as(sea.handle(), &how, &point, 1, &answer), SEAWAY_OK)
+        << "but who leaves them out needs none: " << seaway_last_error();
+    ASSERT_EQ(seaway_sample_water(sea.handle(), &looking, &point, 1, &water, sizeof(water)),
+              SEAWAY_OK);
+    EXPECT_EQ(answer.height_m, water.answer.height_m);
 }
 
 } // namespace

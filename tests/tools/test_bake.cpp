@@ -348,7 +348,7 @@ TEST(Bake, half_keeps_eleven_bits) {
         ASSERT_NEAR(b[i], a[i], std::abs(a[i]) * 0x1p-11f + 1e-7f);
 }
 
-/// Ended by a signal as soon as it has made its first file; after a minute in any case.
+/// Ended by a signal as soon as it has made its first file; after a minute in any case. `timeout` sends it twice.
 Output signalled(const char* signal, const std::string& out, const std::string& more) {
     const std::string scene = testing::folder().write("bake.toml", scene_text);
     const std::string kill = "sh -c 'timeout -s KILL 60 \"$@\" & while [ ! -e " + out +

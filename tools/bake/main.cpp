@@ -2,7 +2,6 @@
 // seaway-bake: a scene as OpenEXR maps, without a server. Errors: one line on stderr; exit 2 for
 // usage and scenes, 3 where there is no such device, 4 for files and a device that fails.
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -18,6 +17,7 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/processors.h"
+#include "base/stop_wanted.h"
 #include "base/text_file.h"
 #include "sea/certificate/certificate.h"
 #include "server/device/device_choice.h"
@@ -98,24 +98,6 @@ int fail(int code, const std::string& message) {
     return complain("seaway-bake", code, message);
 }
 
-volatile std::sig_atomic_t stopped_by = 0;
-
-/// The first signal ends between two files, the second one at once.
-void stop_by_signals() {
-    for (const int number : {SIGINT, SIGTERM})
-        std::signal(number, [](int again) {
-            stopped_by = again;
-            std::signal(again, SIG_DFL);
-        });
-}
-
-/// Ends as the signal would have ended it: who called is told that it was one.
-int end_by_signal(const std::string& message) {
-    fail(exit_failed, message);
-    std::raise(stopped_by);
-    return exit_failed;
-}
-
 /// What would change nothing is not passed over in silence.
 Result<void> check_effect(const Options& o) {
     if (o.up == "y" && o.channels == "names" && o.mesh == "none")
@@ -157,7 +139,7 @@ int run(Options& options) {
     options.bake.fields = *fields;
     options.bake.compression = *compression;
     options.bake.start_us = sea::us_from_seconds(options.start_s);
-    options.bake.stops = [] { return stopped_by != 0; };
+    options.bake.stops = [] { return stop_wanted().load(); };
 
     const Result<std::unique_ptr<server::Synthesizer>> synthesizer =
         server::make_synthesizer(options.device);
@@ -165,10 +147,12 @@ int run(Options& options) {
         return fail(exit_no_device, synthesizer.error().message);
     const int processors = usable_processors();
     Imf::setGlobalThreadCount(processors > 1 ? processors : 0); // 0: none beside this one
-    stop_by_signals();
+    note_stop_signals();                                        // it ends between two files
     const Result<bake::BakeReport> report = bake::bake(*scene, options.bake, **synthesizer);
-    if (!report && report.error().is(bake::BakeError::stopped))
-        return end_by_signal(report.error().message);
+    if (!report && report.error().is(bake::BakeError::stopped)) {
+        fail(exit_failed, report.error().message);
+        end_by_stop_signal();
+    }
     if (!report)
         return fail(report.error().is(bake::BakeError::bad_options) ? exit_usage : exit_failed,
                     report.error().message);
