@@ -114,7 +114,10 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
     const std::uint32_t cascades = felt_cascades(*then.state, how.looking);
     HeldSurfaces::Lent surface;
     for (std::size_t first = 0; first < points.size();) {
-        const TimeSpan span = maps ? cell_span(*then.state, points[first].time_us) : TimeSpan{};
+        const TimeUs time_us = points[first].time_us;
+        const TimeSpan span = !maps                            ? TimeSpan{}
+                              : glides_choppiness(*then.state) ? TimeSpan{time_us, time_us + 1}
+                                                               : cell_span(*then.state, time_us);
         std::size_t end = first + 1, times = 1;
         for (; end < points.size() && span.contains(points[end].time_us); ++end)
             times += points[end].time_us != points[end - 1].time_us ? 1 : 0;
@@ -122,7 +125,7 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
         const auto answered = answers.subspan(first, end - first);
         const Sampling some = how.of(first, end - first);
         first = end;
-        if (maps && maps->lend(asked.front().time_us, asked.size(), times, surface, cascades)) {
+        if (maps && maps->lend(time_us, asked.size(), times, surface, cascades)) {
             surface->surface.answer(asked, answered, some.answering(maps->mixed()));
             continue;
         }

@@ -259,8 +259,7 @@ enum {
 /* What answers, where a client has waves. Points are summed of them, some 60 us each of a gale, until that has taken as long
  * as keyframes of their time would, which are then made of the waves (3 to 4 ms each at 256 x 256, by whoever asks; two a
  * cascade at first, later one an interval): from these a point takes 0.5 to 1 us, and error_m is that of keyframes. So
- * nobody waits for more than twice what the cheaper way takes, and the water moves from one to the other within error_m. A sea that
- * changes is summed. */
+ * nobody waits for more than twice what the cheaper way takes, and the water moves from one to the other within error_m. */
 enum {
     SEAWAY_WAVES_FIRST = 0, /* waves, and their keyframes, though tiles have come */
     SEAWAY_TILES_FIRST = 1, /* tiles where they cover the time, else as before */
@@ -341,7 +340,7 @@ typedef struct seaway_map {
 } seaway_map;
 
 /* One cascade at one time into `texels`, which has room for `bytes`; NULL: `map` alone is filled in. From keyframes that came where they cover the time, else from such as are made of
- * the waves of a sea that does not change; SEAWAY_NOT_HELD without. Foam needs SEAWAY_FOAM in seaway_wish.fields. A sum of all cascades at (x, y) is the
+ * waves; SEAWAY_NOT_HELD without. Foam needs SEAWAY_FOAM in seaway_wish.fields. A sum of all cascades at (x, y) is the
  * undisplaced sea there, which is then moved. Some 2 ms at 256 x 256, 7 more where two keyframes are to be made. Nothing beyond a row's texels is written. */
 seaway_code seaway_get_map(const seaway_client* client, const seaway_map_wish* wish, void* texels,
                            size_t bytes, seaway_map* map);

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "sea/surface/map_error.h"
-#include "sea/surface/maps/sine_maps.h"
 
 namespace seaway::client {
 
@@ -31,16 +30,17 @@ std::vector<double> waves_of(const sea::Realization& sea) {
     return counts;
 }
 
-double points_of(const sea::CascadeModes& modes) {
-    return static_cast<double>(modes.spec.size) * modes.spec.size;
+double points_of(const protocol::CascadeInfo& cascade) {
+    return static_cast<double>(cascade.size) * cascade.size;
 }
 
 } // namespace
 
 WaveMaps::WaveMaps(SeaStatePtr state, OwnSeaPtr waves)
     : state_(std::move(state)), waves_(std::move(waves)),
-      sea_(waves_->waves_at(state_->start_time_us)), waves_count_(waves_of(*sea_)),
-      ring_(two_times()) {}
+      waves_count_(waves_of(waves_->change() ? *waves_->change()->after()
+                                             : *waves_->waves_at(state_->start_time_us))),
+      ring_(two_times()), keyframes_(waves_) {}
 
 HeldKeyframePtr WaveMaps::held(const Needed& one) const {
     const TimeUs interval_us = state_->cascades[static_cast<std::size_t>(one.cascade)].interval_us;
@@ -67,8 +67,8 @@ double WaveMaps::missing_us(TimeUs time_us, std::uint32_t cascades) const {
     double points = 0;
     for (const Needed& one : around(time_us, cascades))
         if (!held(one))
-            points += points_of(sea_->cascades[static_cast<std::size_t>(one.cascade)]);
-    return map_point_us * points;
+            points += points_of(state_->cascades[static_cast<std::size_t>(one.cascade)]);
+    return points * (waves_->change() ? gliding_map_point_us : map_point_us);
 }
 
 WaveMaps::Account& WaveMaps::account_of(const TimeSpan& times) {
@@ -84,9 +84,12 @@ WaveMaps::Account& WaveMaps::account_of(const TimeSpan& times) {
 
 bool WaveMaps::are_worth(TimeUs time_us, std::size_t points, std::size_t times,
                          std::uint32_t cascades) {
+    if (cannot_be_made_)
+        return false;
     const double cost_us = missing_us(time_us, cascades);
     if (cost_us == 0)
         return true;
+    const double time_us_a_wave = waves_->change() ? gliding_wave_time_us : sum_wave_time_us;
     double waves = 0;
     for (std::size_t c = 0; c < waves_count_.size(); ++c)
         waves += cascades >> c & 1u ? waves_count_[c] : 0;
@@ -94,7 +97,7 @@ bool WaveMaps::are_worth(TimeUs time_us, std::size_t points, std::size_t times,
     Account& account = account_of(cell_span(*state_, time_us));
     account.last_used = ++uses_;
     account.spent_us += waves * (sum_wave_us * static_cast<double>(points) +
-                                 sum_wave_time_us * static_cast<double>(times));
+                                 time_us_a_wave * static_cast<double>(times));
     if (account.spent_us < cost_us)
         return false;
     account.spent_us = 0;
@@ -102,67 +105,39 @@ bool WaveMaps::are_worth(TimeUs time_us, std::size_t points, std::size_t times,
 }
 
 HeldKeyframePtr WaveMaps::make(const Needed& one) {
-    const auto index = static_cast<std::size_t>(one.cascade);
-    const sea::CascadeModes& modes = sea_->cascades[index];
-    sea::Keyframe keyframe{state_->epoch,       one.cascade,         one.time_us, modes.spec.size,
-                           modes.spec.length_m, sea::surface_fields, {},          {}};
-    keyframe.values.resize(static_cast<std::size_t>(keyframe.fields.size()) *
-                           keyframe.plane_size());
-    const TimeUs phase_us = sea_->phase_time(one.time_us);
-    if (transforms_[index]) {
-        const sea::NativeTask task{&*transforms_[index],
-                                   phase_us,
-                                   keyframe.fields,
-                                   {keyframe.values.data(), keyframe.values.size()}};
-        runner_->run({&task, 1});
-    }
-    for (const sea::SineField& field : modes.sines)
-        sea::add_sines(field, phase_us, keyframe);
+    std::optional<sea::Keyframe> keyframe =
+        keyframes_.make(state_->epoch, one.cascade, one.time_us);
+    if (!keyframe)
+        return nullptr;
     // What the waves are off by is of all of them together: the first cascade has it.
     HeldKeyframe::Compact misses;
     if (one.cascade == 0) {
-        const RebuiltError& off = waves_->error();
+        const RebuiltError off = waves_->error();
         misses.coarser.cut_m = off.height_m / sea::bound_sigmas;
         misses.coarser.displacement_cut_m = off.displacement_m / sea::bound_sigmas;
         misses.coarser.strain = off.strain;
     }
     ++made_;
     return HeldKeyframe::as_spline(std::make_shared<const HeldKeyframe>(
-        std::move(keyframe), HeldKeyframe::FieldErrors{}, misses));
-}
-
-bool WaveMaps::can_make() {
-    if (!runner_) {
-        std::vector<std::optional<sea::NativeTransform>> transforms;
-        for (const sea::CascadeModes& modes : sea_->cascades) {
-            transforms.emplace_back();
-            if (!modes.is_there())
-                continue;
-            Result<sea::NativeTransform> made =
-                sea::NativeTransform::create(modes, sea_->choppiness);
-            if (made)
-                transforms.back() = *std::move(made);
-            else
-                can_be_made_ = false;
-        }
-        transforms_ = std::move(transforms);
-        runner_ = std::make_unique<sea::NativeRunner>(1);
-    }
-    return can_be_made_;
+        *std::move(keyframe), HeldKeyframe::FieldErrors{}, misses));
 }
 
 bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
     if (missing_us(time_us, cascades) == 0) // another thread has made it
         return true;
-    if (!can_make())
-        return false;
     const Pairs needed = around(time_us, cascades);
     for (const Needed& one : needed)
         if (const HeldKeyframePtr there = held(one)) // the last to go
             ring_.insert(there);
     for (const Needed& one : needed)
-        if (!held(one))
-            ring_.insert(make(one));
+        if (!held(one)) {
+            HeldKeyframePtr made = make(one);
+            if (!made) {
+                cannot_be_made_ = true;
+                return false;
+            }
+            ring_.insert(std::move(made));
+        }
     surfaces_.follow(ring_);
     return true;
 }
@@ -202,8 +177,6 @@ std::optional<LocalSurface> WaveMaps::made_surface(TimeUs time_us, std::uint32_t
 }
 
 std::shared_ptr<WaveMaps> MapsOfSeas::of(const SeaStatePtr& state, const OwnSeaPtr& waves) {
-    if (state->glide)
-        return nullptr;
     const auto held = [&]() -> std::shared_ptr<WaveMaps> {
         for (const std::shared_ptr<WaveMaps>& maps : seas_)
             if (maps->are_of(state, waves))

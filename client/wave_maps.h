@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// WaveMaps: keyframes of a steady sea whose waves this client has, made here as a server makes them. A point of a map takes
-// less than a microsecond, a sum of all waves some tens; a keyframe some milliseconds, once. So points are summed until
+// WaveMaps: keyframes of a sea whose waves this client has, made here as a server makes them. A point of a map takes
+// less than a microsecond, a sum of all waves some tens, of a sea that changes some milliseconds for each time; a keyframe some milliseconds, once. So points are summed until
 // sums have taken as long as the keyframes of their time would, and those are made then: whoever asks waits for no
 // more than twice what the cheaper way would have taken, whether he asks about a time once or a thousand times ("ski rental":
 // A. R. Karlin et al., "Competitive snoopy caching", Algorithmica 3, 1988).
@@ -22,7 +22,7 @@
 #include "client/held/keyframe_ring.h"
 #include "client/held_surfaces.h"
 #include "client/rebuilt/rebuilt_sea.h"
-#include "sea/native/native_runner.h"
+#include "client/rebuilt/wave_keyframes.h"
 
 namespace seaway::client {
 
@@ -31,10 +31,13 @@ inline constexpr double sum_wave_us = 0.0025;
 inline constexpr double sum_wave_time_us = 0.002;
 /// What making a keyframe for sampling takes, of each of its grid points.
 inline constexpr double map_point_us = 0.05;
+/// The same of a sea that changes, whose waves are laid out anew for each time.
+inline constexpr double gliding_wave_time_us = 0.25;
+inline constexpr double gliding_map_point_us = 0.07;
 
 class WaveMaps {
   public:
-    /// `waves` are those of the sea of `state`, which is steady.
+    /// `waves` are those of the sea of `state`.
     WaveMaps(SeaStatePtr state, OwnSeaPtr waves);
 
     const SeaStatePtr& state() const { return state_; }
@@ -80,12 +83,10 @@ class WaveMaps {
     std::optional<LocalSurface> made_surface(sea::TimeUs time_us, std::uint32_t cascades);
     // making_ held.
     bool make_what_lacks(sea::TimeUs time_us, std::uint32_t cascades); ///< false: it cannot
-    bool can_make();
     HeldKeyframePtr make(const Needed& one);
 
     const SeaStatePtr state_;
     const OwnSeaPtr waves_;
-    const sea::RealizationPtr sea_;
     const std::vector<double> waves_count_; ///< one a cascade
 
     KeyframeRing ring_;
@@ -96,16 +97,14 @@ class WaveMaps {
     std::uint64_t uses_ = 0;
 
     std::mutex making_; ///< of what follows
-    std::vector<std::optional<sea::NativeTransform>> transforms_;
-    std::unique_ptr<sea::NativeRunner> runner_;
-    bool can_be_made_ = true; ///< every tile has a size of a transform
+    WaveKeyframes keyframes_;
+    std::atomic<bool> cannot_be_made_ = false; ///< a tile has a size without a transform
     std::atomic<std::uint64_t> made_ = 0;
 };
 
 /// Those of the seas that were sampled last: each may hold some tens of MB. Thread-safe.
 class MapsOfSeas {
   public:
-    /// Null: the sea is on its way to another.
     std::shared_ptr<WaveMaps> of(const SeaStatePtr& state, const OwnSeaPtr& waves);
     void forget(std::uint32_t epoch);
     void clear();

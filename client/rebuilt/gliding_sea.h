@@ -28,6 +28,7 @@ class GlidingSea final : public OwnSea {
                 std::uint32_t cascades = sea::all_cascades) const override;
     sea::RealizationPtr waves_at(sea::TimeUs time_us) const override { return change_.at(time_us); }
     RebuiltError error() const override { return error_; }
+    const sea::SeaTransition* change() const override { return &change_; }
     void at(sea::TimeUs time_us,
             const std::function<void(const RebuiltSea&)>& look) const override {
         look(*at(time_us));

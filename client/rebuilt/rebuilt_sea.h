@@ -16,6 +16,7 @@
 #include "sea/surface/below.h"
 #include "sea/waves/probes.h"
 #include "sea/waves/reference.h"
+#include "sea/waves/transition.h"
 
 namespace seaway::client {
 
@@ -40,6 +41,8 @@ class OwnSea {
     /// Its waves at a time, and what they are off by then.
     virtual sea::RealizationPtr waves_at(sea::TimeUs time_us) const = 0;
     virtual RebuiltError error() const = 0;
+    /// From what to what it is on its way; null: it is steady.
+    virtual const sea::SeaTransition* change() const { return nullptr; }
     /// Calls `look` with the sea of one time.
     virtual void at(sea::TimeUs time_us,
                     const std::function<void(const RebuiltSea&)>& look) const = 0;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/rebuilt/gliding_sea.h"
 #include "client/wave_maps.h"
 #include "sea/surface/budget/error_budget.h"
 #include "tests/client/announced_scene.h"
@@ -225,7 +226,7 @@ size = 64
     EXPECT_GT(largest_m, 0.5);
 }
 
-TEST_F(WaveMapsOf, seas_are_held_of_two_steady_ones_while_their_waves_are_the_same) {
+TEST_F(WaveMapsOf, seas_are_held_of_two_while_their_waves_are_the_same) {
     MapsOfSeas seas;
     const auto of_epoch = [&](std::uint32_t epoch) {
         auto other = std::make_shared<SeaState>(*state);
@@ -248,9 +249,57 @@ TEST_F(WaveMapsOf, seas_are_held_of_two_steady_ones_while_their_waves_are_the_sa
     EXPECT_EQ(seas.of(states[2], better), more);
     seas.forget(3);
     EXPECT_NE(seas.of(states[2], better), more);
-    auto glide = std::make_shared<SeaState>(*state);
-    glide->glide = protocol::GlideValues{.end_us = 10'000'000};
-    EXPECT_EQ(seas.of(glide, own), nullptr);
+}
+
+// Wind and depth change, each time with maps of its own waves and of what they grow by. The bound is of the envelope, as a
+// server says it of a glide.
+TEST_F(WaveMapsOf, a_sea_on_its_way_answer_within_their_bounds_of_its_own_sums) {
+    sea::SeaState next = tests::announced_scene().sea;
+    std::get<sea::WindSea>(next.systems[0]).wind_speed_10m_mps = 13;
+    for (const double depth_m : {30.0, 8.0}) {
+        next.depth_m = depth_m;
+        const auto later = std::make_shared<const sea::Realization>(
+            *sea::realize(next, tests::announced_scene().cascades));
+        constexpr sea::TimeUs start_us = 50'000'000, end_us = 62'000'000;
+        const auto change = sea::SeaTransition::create(waves, later, start_us, end_us);
+        ASSERT_TRUE(change);
+        const sea::ErrorBudget costs = sea::plan_budget(*change->envelope(), 0.01);
+        auto values = std::make_shared<SeaState>(*state);
+        values->losses.clear();
+        put(costs, *values);
+        for (std::size_t c = 0; c < cascades; ++c)
+            values->cascades[c].interval_us = costs.cascades[c].interval_us;
+        values->start_time_us = start_us;
+        values->glide = protocol::GlideValues{.end_us = end_us,
+                                              .choppiness_x = values->choppiness_x,
+                                              .choppiness_y = values->choppiness_y};
+        const RebuiltSea from(waves, *values, {}), to(change->after(), *values, {});
+        const auto glide = GlidingSea::create(*values, from, to, start_us, end_us);
+        ASSERT_TRUE(glide) << glide.error().message;
+        MapsOfSeas seas;
+        const auto maps = seas.of(values, *glide);
+        double worst_of_bound = 0;
+        for (const sea::TimeUs time_us :
+             {start_us - 123'456, start_us, start_us + 77'000, sea::TimeUs{54'321'000},
+              sea::TimeUs{56'000'000}, sea::TimeUs{59'999'999}, end_us - 1, end_us + 33'333}) {
+            const auto asked = points(300, time_us);
+            HeldSurfaces::Lent surface;
+            ASSERT_TRUE(maps->lend(time_us, many, 1, surface)) << time_us;
+            std::vector<sea::Answer> answers(asked.size()), sums(asked.size());
+            surface->surface.answer(asked, answers);
+            (*glide)->answer(asked, sums, {});
+            for (std::size_t i = 0; i < asked.size(); ++i) {
+                if (answers[i].flags & sea::answer_folded)
+                    continue;
+                const double off_m = std::abs(answers[i].height_m - sums[i].height_m);
+                EXPECT_LE(off_m, answers[i].error_m + sums[i].error_m) << "at " << time_us;
+                worst_of_bound = std::max(worst_of_bound, off_m / answers[i].error_m);
+                for (int axis = 0; axis < 3; ++axis)
+                    EXPECT_NEAR(answers[i].velocity_mps[axis], sums[i].velocity_mps[axis], 0.1);
+            }
+        }
+        EXPECT_GT(worst_of_bound, 0.2) << "else the bound is none of these maps";
+    }
 }
 
 // What a tile is too large to be transformed for is summed.
@@ -262,8 +311,10 @@ TEST_F(WaveMapsOf, a_sea_without_a_transform_are_never_made) {
     WaveMaps maps(state, std::make_shared<const RebuiltSea>(larger, *state, RebuiltError{}));
     HeldSurfaces::Lent surface;
     EXPECT_FALSE(maps.lend(0, many, 1, surface));
-    EXPECT_FALSE(maps.map(0, 0)) << "not even in part";
-    EXPECT_EQ(maps.made(), 0u);
+    EXPECT_FALSE(maps.lend(1, many, 1, surface));
+    EXPECT_LE(maps.made(), 2u) << "nor tried again";
+    EXPECT_FALSE(maps.map(0, 1));
+    EXPECT_TRUE(maps.map(0, 0)) << "which is of another tile";
 }
 
 // More threads than there are places for surfaces, at more times than there is room for keyframes.

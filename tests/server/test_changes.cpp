@@ -161,6 +161,12 @@ TEST(Changes, who_has_the_waves_glides_by_itself_and_so_does_who_joins_on_the_wa
     ASSERT_TRUE(granted) << granted.error().message;
     EXPECT_EQ(granted->spectra, 2u) << "of both ends, and no third for the sea behind";
     expect_right(*late, points);
+    // So many of a time that maps are made of the waves, with what they grow by: the bound is of those.
+    std::vector<sea::QueryPoint> dense;
+    for (const double at_s : {start_s + 2.5, start_s + 7, end_s - 0.01})
+        for (int place = 0; place < 300; ++place)
+            dense.push_back({13.0 * place, -7.0 * place, sea::us_from_seconds(at_s)});
+    expect_right(*late, dense, 0.05);
     sleep_until(end_s + 3); // two pings later
     for (const auto& one : {client.get(), late.get()}) {
         expect_right(*one, points);
