@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: what engines ask beside heights (looks.h).
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -84,12 +85,16 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
             lie_flat(points[i], foam, water[i]);
         return {};
     }
+    const WaveBatch batch{time_us, points.size(), 1, cascades};
     std::optional<LocalSurface> held;
+    std::shared_ptr<WaveMaps> maps;
     const OwnSeaPtr waves = own_sea(state);
     if (!waves) {
         SEAWAY_TRY_LET(held, local_surface(*state, ring_, time_us, sampled_fields(), cascades));
-    } else if (const std::shared_ptr<WaveMaps> maps = maps_of_waves_.of(state, waves))
-        held = maps->surface(time_us, points.size(), cascades);
+    } else {
+        maps = maps_of_waves_.of(state, waves);
+        held = maps->surface(batch);
+    }
     if (held) {
         const sea::Surface& surface = held->surface;
         surface.answer(points, answers);
@@ -101,10 +106,12 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
             surface.fold_blur_m());
         return {};
     }
+    const auto begun = std::chrono::steady_clock::now();
     waves->at(time_us, [&](const RebuiltSea& sea) {
         const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
         for (std::size_t i = 0; i < points.size(); ++i)
             answers[i] = sea.answer(points[i], moment);
+        maps->summed(batch, microseconds_since(begun));
         keep(0);
         const sea::Choppiness choppiness = sea.sum().sea().choppiness;
         put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
@@ -294,8 +301,10 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
             map.size = spline.size();
             map.length_m = spline.length_m();
             put_bounds(held->surface, map);
-            map.error_m += waves_off.height_m;
-            map.displacement_error_m += waves_off.displacement_m;
+            if (cascade != 0) { // whose maps have it
+                map.error_m += waves_off.height_m;
+                map.displacement_error_m += waves_off.displacement_m;
+            }
         } else {
             map.size = foam->before->keyframe().size;
             map.length_m = foam->before->keyframe().length_m;

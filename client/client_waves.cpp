@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: whose waves it has, and what sea follows of them.
 #include <algorithm>
+#include <chrono>
 
 #include "client/client.h"
 
@@ -125,11 +126,15 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
         const auto answered = answers.subspan(first, end - first);
         const Sampling some = how.of(first, end - first);
         first = end;
-        if (maps && maps->lend(time_us, asked.size(), times, surface, cascades)) {
+        const WaveBatch batch{time_us, asked.size(), times, cascades};
+        if (maps && maps->lend(batch, surface)) {
             surface->surface.answer(asked, answered, some.answering(maps->mixed()));
             continue;
         }
+        const auto begun = std::chrono::steady_clock::now();
         then.waves->answer(asked, answered, some.terms, cascades);
+        if (maps)
+            maps->summed(batch, microseconds_since(begun));
         if (how.parts == sea::AnswerParts::height)
             for (sea::Answer& answer : answered)
                 leave_out_velocity(answer);

@@ -256,15 +256,16 @@ enum {
     SEAWAY_TIMES_OF_NOW = 1
 };
 
-/* What answers, where a client has waves. Points are summed of them, some 60 us each of a gale, until that has taken as long
- * as keyframes of their time would, which are then made of the waves (3 to 4 ms each at 256 x 256, by whoever asks; two a
- * cascade at first, later one an interval): from these a point takes 0.5 to 1 us, and error_m is that of keyframes. So
- * nobody waits for more than twice what the cheaper way takes, and the water moves from one to the other within error_m. */
+/* What answers, where a client has waves. Points are summed of them, some 60 us each of a gale and more where it is steep, until that
+ * has taken as long as keyframes of their time would, which are then made of the waves by who asks: two a cascade at first, 20 ms
+ * of a gale of 256 x 256, later one an interval, 3 to 5 ms; who asks meanwhile on another thread is summed for. From these many points at
+ * once take 0.5 to 1 us each in gentle seas, one alone some, and error_m has what keyframes add to it. So what is asked about over
+ * and over takes about twice what the cheaper way would, at most, and the water moves from one to the other within error_m. */
 enum {
     SEAWAY_WAVES_FIRST = 0, /* waves, and their keyframes, though tiles have come */
     SEAWAY_TILES_FIRST = 1, /* tiles where they cover the time, else as before */
     SEAWAY_WAVES_SUMMED =
-        2 /* waves, each point summed: a hundredth of the error, whatever it takes */
+        2 /* waves, each point summed: without what keyframes add to the error, whatever it takes */
 };
 
 typedef struct seaway_sampling {
@@ -292,11 +293,11 @@ seaway_code seaway_sample_as(const seaway_client* client, const seaway_sampling*
 typedef struct seaway_terms {
     seaway_answer answer;
     double
-        codec_m; /* rounding of tiles; of waves what is rounded or missing of them, or tells a made sea from the server's */
+        codec_m; /* rounding of tiles; of waves that are summed what is rounded or missing of them, or tells a made sea from the server's */
     double
         time_m; /* the curve in time between two keyframes; more where they come further apart than the sea says */
     double
-        space_m; /* the curve in space between grid points; with waves that maps lack (seaway_wish.size_max; SEAWAY_SPECTRUM) */
+        space_m; /* the curve in space between grid points; with waves that maps lack: cut by seaway_wish.size_max, or, of those made of waves, as codec_m says */
     double
         inverse_m; /* the place is met to a tolerance; and a sheet beside that may be the higher one */
     double
@@ -341,7 +342,7 @@ typedef struct seaway_map {
 
 /* One cascade at one time into `texels`, which has room for `bytes`; NULL: `map` alone is filled in. From keyframes that came where they cover the time, else from such as are made of
  * waves; SEAWAY_NOT_HELD without. Foam needs SEAWAY_FOAM in seaway_wish.fields. A sum of all cascades at (x, y) is the
- * undisplaced sea there, which is then moved. Some 2 ms at 256 x 256, 7 more where two keyframes are to be made. Nothing beyond a row's texels is written. */
+ * undisplaced sea there, which is then moved. Some 2 ms at 256 x 256, 7 more where two keyframes are to be made of a gale's waves, of many stylised ones up to a second. Nothing beyond a row's texels is written. */
 seaway_code seaway_get_map(const seaway_client* client, const seaway_map_wish* wish, void* texels,
                            size_t bytes, seaway_map* map);
 

@@ -2,6 +2,7 @@
 #include "client/wave_maps.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "sea/surface/map_error.h"
 
@@ -19,27 +20,10 @@ RingLimits two_times() {
     return limits;
 }
 
-std::vector<double> waves_of(const sea::Realization& sea) {
-    std::vector<double> counts;
-    for (const sea::CascadeModes& modes : sea.cascades) {
-        counts.push_back(static_cast<double>(
-            std::ranges::count_if(modes.h0, [](const auto& h0) { return h0 != 0.0; })));
-        for (const sea::SineField& field : modes.sines)
-            counts.back() += static_cast<double>(field.waves.size());
-    }
-    return counts;
-}
-
-double points_of(const protocol::CascadeInfo& cascade) {
-    return static_cast<double>(cascade.size) * cascade.size;
-}
-
 } // namespace
 
 WaveMaps::WaveMaps(SeaStatePtr state, OwnSeaPtr waves)
-    : state_(std::move(state)), waves_(std::move(waves)),
-      waves_count_(waves_of(waves_->change() ? *waves_->change()->after()
-                                             : *waves_->waves_at(state_->start_time_us))),
+    : state_(std::move(state)), waves_(std::move(waves)), prices_(*state_, *waves_),
       ring_(two_times()), keyframes_(waves_) {}
 
 HeldKeyframePtr WaveMaps::held(const Needed& one) const {
@@ -64,47 +48,37 @@ WaveMaps::Pairs WaveMaps::around(TimeUs time_us, std::uint32_t cascades) const {
 }
 
 double WaveMaps::missing_us(TimeUs time_us, std::uint32_t cascades) const {
-    double points = 0;
+    double us = 0;
     for (const Needed& one : around(time_us, cascades))
-        if (!held(one))
-            points += points_of(state_->cascades[static_cast<std::size_t>(one.cascade)]);
-    return points * (waves_->change() ? gliding_map_point_us : map_point_us);
+        us += held(one) ? 0 : prices_.keyframe_us(one.cascade);
+    return us;
 }
 
-WaveMaps::Account& WaveMaps::account_of(const TimeSpan& times) {
-    const auto found = std::ranges::find_if(accounts_, [&](const Account& account) {
-        return account.times.from_us == times.from_us && account.times.until_us == times.until_us;
-    });
-    if (found != accounts_.end())
-        return *found;
-    Account& oldest = *std::ranges::min_element(accounts_, {}, &Account::last_used);
-    oldest = {.times = times};
-    return oldest;
-}
-
-bool WaveMaps::are_worth(TimeUs time_us, std::size_t points, std::size_t times,
-                         std::uint32_t cascades) {
-    if (cannot_be_made_)
+bool WaveMaps::is_worth(const WaveBatch& batch) {
+    if (!(batch.cascades & 1u) || cannot_be_made_)
         return false;
-    const double cost_us = missing_us(time_us, cascades);
-    if (cost_us == 0)
-        return true;
-    const double time_us_a_wave = waves_->change() ? gliding_wave_time_us : sum_wave_time_us;
-    double waves = 0;
-    for (std::size_t c = 0; c < waves_count_.size(); ++c)
-        waves += cascades >> c & 1u ? waves_count_[c] : 0;
+    const double cost_us = missing_us(batch.time_us, batch.cascades);
+    return cost_us == 0 || prices_.pay(cell_span(*state_, batch.time_us), batch, cost_us);
+}
+
+void WaveMaps::summed(const WaveBatch& batch, double took_us) {
+    prices_.summed(cell_span(*state_, batch.time_us), batch, took_us);
+}
+
+void WaveMaps::note_use(TimeUs time_us) {
     const std::scoped_lock lock(mutex_);
-    Account& account = account_of(cell_span(*state_, time_us));
-    account.last_used = ++uses_;
-    account.spent_us += waves * (sum_wave_us * static_cast<double>(points) +
-                                 time_us_a_wave * static_cast<double>(times));
-    if (account.spent_us < cost_us)
-        return false;
-    account.spent_us = 0;
-    return true;
+    if (!cell_span(*state_, used_us_[0]).contains(time_us))
+        used_us_[1] = used_us_[0];
+    used_us_[0] = time_us;
+}
+
+TimeUs WaveMaps::used_elsewhere(const TimeSpan& cell) {
+    const std::scoped_lock lock(mutex_);
+    return used_us_[cell.contains(used_us_[0]) ? 1 : 0];
 }
 
 HeldKeyframePtr WaveMaps::make(const Needed& one) {
+    const auto begun = std::chrono::steady_clock::now();
     std::optional<sea::Keyframe> keyframe =
         keyframes_.make(state_->epoch, one.cascade, one.time_us);
     if (!keyframe)
@@ -117,18 +91,22 @@ HeldKeyframePtr WaveMaps::make(const Needed& one) {
         misses.coarser.displacement_cut_m = off.displacement_m / sea::bound_sigmas;
         misses.coarser.strain = off.strain;
     }
-    ++made_;
-    return HeldKeyframe::as_spline(std::make_shared<const HeldKeyframe>(
+    HeldKeyframePtr made = HeldKeyframe::as_spline(std::make_shared<const HeldKeyframe>(
         *std::move(keyframe), HeldKeyframe::FieldErrors{}, misses));
+    ++made_;
+    prices_.made(one.cascade, microseconds_since(begun));
+    return made;
 }
 
 bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
     if (missing_us(time_us, cascades) == 0) // another thread has made it
         return true;
     const Pairs needed = around(time_us, cascades);
-    for (const Needed& one : needed)
-        if (const HeldKeyframePtr there = held(one)) // the last to go
-            ring_.insert(there);
+    const Pairs elsewhere = around(used_elsewhere(cell_span(*state_, time_us)), cascades);
+    for (const Pairs* pairs : {&elsewhere, &needed}) // the last to go
+        for (const Needed& one : *pairs)
+            if (const HeldKeyframePtr there = held(one))
+                ring_.insert(there);
     for (const Needed& one : needed)
         if (!held(one)) {
             HeldKeyframePtr made = make(one);
@@ -142,63 +120,86 @@ bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
     return true;
 }
 
-bool WaveMaps::lend(TimeUs time_us, std::size_t points, std::size_t times,
-                    HeldSurfaces::Lent& surface, std::uint32_t cascades) {
-    if (!(cascades & 1u) || !are_worth(time_us, points, times, cascades))
+bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
+    if (!is_worth(batch))
         return false;
     const auto lent = [&] {
-        return surfaces_.lend(state_, ring_, time_us, sea::surface_fields, surface, cascades) &&
+        return missing_us(batch.time_us, batch.cascades) == 0 &&
+               surfaces_.lend(state_, ring_, batch.time_us, sea::surface_fields, surface,
+                              batch.cascades) &&
                surface->covers;
     };
-    if (missing_us(time_us, cascades) == 0 && lent())
+    note_use(batch.time_us);
+    if (lent())
         return true;
-    const std::scoped_lock making(making_); // who makes others takes their places
-    return make_what_lacks(time_us, cascades) && lent();
+    const std::unique_lock making(making_, std::try_to_lock);
+    return making.owns_lock() && make_what_lacks(batch.time_us, batch.cascades) && lent();
 }
 
-std::optional<LocalSurface> WaveMaps::surface(TimeUs time_us, std::size_t points,
-                                              std::uint32_t cascades) {
-    if (!(cascades & 1u) || !are_worth(time_us, points, 1, cascades))
+std::optional<LocalSurface> WaveMaps::held_surface(TimeUs time_us, std::uint32_t cascades) const {
+    if (missing_us(time_us, cascades) > 0)
         return std::nullopt;
-    return made_surface(time_us, cascades);
+    Result<LocalSurface> held =
+        local_surface(*state_, ring_, time_us, sea::surface_fields, cascades);
+    return held && held->covers ? std::optional(*std::move(held)) : std::nullopt;
+}
+
+std::optional<LocalSurface> WaveMaps::surface(const WaveBatch& batch) {
+    if (!is_worth(batch))
+        return std::nullopt;
+    note_use(batch.time_us);
+    if (auto held = held_surface(batch.time_us, batch.cascades))
+        return held;
+    const std::unique_lock making(making_, std::try_to_lock);
+    if (!making.owns_lock() || !make_what_lacks(batch.time_us, batch.cascades))
+        return std::nullopt;
+    return held_surface(batch.time_us, batch.cascades);
 }
 
 std::optional<LocalSurface> WaveMaps::map(TimeUs time_us, int cascade) {
-    return made_surface(time_us, 1u << cascade);
+    note_use(time_us);
+    if (auto held = held_surface(time_us, 1u << cascade))
+        return held;
+    const std::scoped_lock making(making_);
+    if (!make_what_lacks(time_us, 1u << cascade))
+        return std::nullopt;
+    return held_surface(time_us, 1u << cascade);
 }
 
-std::optional<LocalSurface> WaveMaps::made_surface(TimeUs time_us, std::uint32_t cascades) {
-    const std::scoped_lock making(making_);
-    if (!make_what_lacks(time_us, cascades))
-        return std::nullopt;
-    Result<LocalSurface> made =
-        local_surface(*state_, ring_, time_us, sea::surface_fields, cascades);
-    return made ? std::optional(*std::move(made)) : std::nullopt;
+void WaveMaps::let_go() {
+    ring_.clear();
+    surfaces_.follow(ring_);
 }
 
 std::shared_ptr<WaveMaps> MapsOfSeas::of(const SeaStatePtr& state, const OwnSeaPtr& waves) {
     const auto held = [&]() -> std::shared_ptr<WaveMaps> {
-        for (const std::shared_ptr<WaveMaps>& maps : seas_)
-            if (maps->are_of(state, waves))
-                return maps;
-        return nullptr;
+        const auto found = std::ranges::find_if(
+            seas_, [&](const auto& maps) { return maps->are_of(state, waves); });
+        if (found == seas_.end())
+            return nullptr;
+        std::rotate(found, found + 1, seas_.end());
+        if (seas_.size() > with_maps_max)
+            seas_[seas_.size() - 1 - with_maps_max]->let_go();
+        return seas_.back();
     };
     {
         const std::scoped_lock lock(mutex_);
+        if (!seas_.empty() && seas_.back()->are_of(state, waves))
+            return seas_.back();
         if (std::shared_ptr<WaveMaps> maps = held())
             return maps;
     }
     auto made = std::make_shared<WaveMaps>(state, waves); // a look at each wave
     const std::scoped_lock lock(mutex_);
+    std::erase_if(seas_, [&](const auto& maps) { // whose waves are others now
+        return maps->state()->epoch == state->epoch && !maps->are_of(state, waves);
+    });
     if (std::shared_ptr<WaveMaps> maps = held())
         return maps;
-    std::erase_if(seas_, [&](const auto& maps) { // whose waves are others now
-        return maps->state()->epoch == state->epoch;
-    });
     if (seas_.size() == seas_max)
         seas_.erase(seas_.begin());
     seas_.push_back(made);
-    return made;
+    return held();
 }
 
 void MapsOfSeas::forget(std::uint32_t epoch) {

@@ -81,7 +81,7 @@ TEST_F(WaveMapsOf, a_sea_answer_within_their_bounds_of_the_exact_sum_at_any_time
     for (const sea::TimeUs time_us : times) {
         const auto asked = points(400, time_us);
         HeldSurfaces::Lent surface;
-        ASSERT_TRUE(maps.lend(time_us, many, 1, surface)) << time_us;
+        ASSERT_TRUE(maps.lend({time_us, many}, surface)) << time_us;
         std::vector<sea::Answer> answers(asked.size());
         surface->surface.answer(asked, answers, {.mixed = &maps.mixed()});
         for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -105,7 +105,7 @@ TEST_F(WaveMapsOf, a_sea_that_is_off_say_so) {
     std::vector<sea::Answer> of_right(asked.size()), of_off(asked.size());
     for (const auto& [maps, answers] : {std::pair(&right, &of_right), {&off, &of_off}}) {
         HeldSurfaces::Lent surface;
-        ASSERT_TRUE(maps->lend(77'000, many, 1, surface));
+        ASSERT_TRUE(maps->lend({77'000, many}, surface));
         surface->surface.answer(asked, *answers);
     }
     for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -113,34 +113,36 @@ TEST_F(WaveMapsOf, a_sea_that_is_off_say_so) {
         EXPECT_GE(of_off[i].error_m, 0.03);
         EXPECT_LE(of_off[i].error_m, of_right[i].error_m + 0.03 + 0.02);
     }
-    EXPECT_GE(off.surface(77'000, many, 1u)->surface.flat_height_bound_m(), 0.03)
+    EXPECT_GE(off.surface({.time_us = 77'000, .points = many, .cascades = 1})
+                  ->surface.flat_height_bound_m(),
+              0.03)
         << "of the first cascade alone, too";
 }
 
-// By what they would cost, whichever way it is asked: a point now and then is never worth four keyframes.
-TEST_F(WaveMapsOf, a_sea_are_made_once_sums_have_cost_as_much) {
+// Whichever way it is asked: a point now and then is never worth four keyframes, and what was spent is spent once.
+TEST_F(WaveMapsOf, a_sea_are_made_once_sums_have_taken_as_much) {
     WaveMaps maps(state, sea_off_by({}));
+    const WavePrices prices(*state, *sea_off_by({}));
     HeldSurfaces::Lent surface;
-    double waves_count = 0;
-    for (const sea::CascadeModes& modes : waves->cascades)
-        waves_count += static_cast<double>(
-            std::ranges::count_if(modes.h0, [](const auto& h0) { return h0 != 0.0; }));
-    const double keyframes_us = map_point_us * 2 * 2 * 64 * 64;
-    const double sum_us = waves_count * (sum_wave_us + sum_wave_time_us);
-    const auto worth = static_cast<int>(std::ceil(keyframes_us / sum_us));
-    ASSERT_GT(worth, 5) << "else this shows little";
-    for (int i = 1; i < worth; ++i)
-        ASSERT_FALSE(maps.lend(1000 + i, 1, 1, surface)) << i << " of " << worth;
+    const double keyframes_us = 2 * (prices.keyframe_us(0) + prices.keyframe_us(1));
+    const WaveBatch one{.time_us = 1000};
+    for (int i = 0; i < 9; ++i) {
+        ASSERT_FALSE(maps.lend(one, surface)) << i;
+        maps.summed(one, keyframes_us / 10);
+    }
     EXPECT_EQ(maps.made(), 0u);
-    EXPECT_TRUE(maps.lend(900, 1, 1, surface));
+    ASSERT_FALSE(maps.lend(one, surface)) << "not quite";
+    maps.summed(one, keyframes_us / 10);
+    EXPECT_TRUE(maps.lend(one, surface));
     EXPECT_EQ(maps.made(), 2 * cascades) << "two a cascade";
     for (int i = 0; i < 100; ++i)
-        EXPECT_TRUE(maps.lend(2000 * i, 1, 1, surface)) << "all of the same keyframes";
+        EXPECT_TRUE(maps.lend({.time_us = 2000 * i % interval_us}, surface)) << "of the same ones";
     EXPECT_EQ(maps.made(), 2 * cascades);
     // Of the next interval one of each pair is there already.
-    for (int i = 1; i < (worth + 1) / 2; ++i)
-        ASSERT_FALSE(maps.lend(interval_us + 1, 1, 1, surface)) << i;
-    EXPECT_TRUE(maps.lend(interval_us + 1, 2, 1, surface));
+    const WaveBatch next{.time_us = interval_us + 1};
+    EXPECT_FALSE(maps.lend(next, surface));
+    maps.summed(next, 100 * keyframes_us); // however fast this machine made the first
+    EXPECT_TRUE(maps.lend(next, surface));
     EXPECT_EQ(maps.made(), 3 * cascades);
 }
 
@@ -148,7 +150,7 @@ TEST_F(WaveMapsOf, a_sea_are_not_made_for_points_that_are_all_of_other_times) {
     WaveMaps maps(state, sea_off_by({}));
     HeldSurfaces::Lent surface;
     for (int i = 0; i < 5000; ++i)
-        EXPECT_FALSE(maps.lend(i * 10 * interval_us, 1, 1, surface));
+        EXPECT_FALSE(maps.lend({i * 10 * interval_us, 1}, surface));
     EXPECT_EQ(maps.made(), 0u);
 }
 
@@ -157,12 +159,12 @@ TEST_F(WaveMapsOf, a_sea_hold_four_keyframes_a_cascade) {
     HeldSurfaces::Lent surface;
     for (const int interval :
          {0, 10, 0, 10, 0, 10}) // two times in turns: all that is needed is there
-        ASSERT_TRUE(maps.lend(interval * interval_us, many, 1, surface));
+        ASSERT_TRUE(maps.lend({interval * interval_us, many}, surface));
     EXPECT_EQ(maps.made(), 4 * cascades);
-    ASSERT_TRUE(maps.lend(20 * interval_us, many, 1, surface));
+    ASSERT_TRUE(maps.lend({20 * interval_us, many}, surface));
     EXPECT_EQ(maps.made(), 6 * cascades);
-    EXPECT_FALSE(maps.lend(1, 1, 1, surface)) << "the first have gone";
-    EXPECT_TRUE(maps.lend(10 * interval_us, 1, 1, surface));
+    EXPECT_FALSE(maps.lend({1, 1}, surface)) << "the first have gone";
+    EXPECT_TRUE(maps.lend({10 * interval_us, 1}, surface));
 }
 
 TEST_F(WaveMapsOf, a_sea_allocate_nothing_once_they_are_made) {
@@ -172,7 +174,7 @@ TEST_F(WaveMapsOf, a_sea_allocate_nothing_once_they_are_made) {
     for (int round = 0; round < 3; ++round) {
         const tests::Allocations now;
         HeldSurfaces::Lent surface;
-        ASSERT_TRUE(maps.lend(1000 + round, many, 1, surface));
+        ASSERT_TRUE(maps.lend({1000 + round, many}, surface));
         surface->surface.answer(asked, answers, {.mixed = &maps.mixed()});
         if (round > 0) {
             EXPECT_EQ(now.count(), 0u);
@@ -187,7 +189,8 @@ TEST_F(WaveMapsOf, a_sea_of_stylised_waves_hold_them) {
 seed = 3
 [[sea.system]]
 type = "sines"
-shape = "gerstner"
+shape = "exponential"
+sharpness = 1.2
 length_m = 256.0
 count = 5
 amplitude_m = 0.6
@@ -210,11 +213,13 @@ size = 64
     values->choppiness_y = sines->choppiness.y;
     put(costs, *values);
     const sea::DirectSum sum(sines);
+    const WavePrices prices(*values, RebuiltSea(sines, *values, {}));
+    EXPECT_GT(prices.keyframe_us(0), 64 * 64 * (map_point_us + 4.9 * map_plane_wave_us));
     WaveMaps maps(values, std::make_shared<const RebuiltSea>(sines, *values, RebuiltError{}));
     const auto asked = points(200, 12'345'678);
     std::vector<sea::Answer> answers(asked.size());
     HeldSurfaces::Lent surface;
-    ASSERT_TRUE(maps.lend(12'345'678, many, 1, surface));
+    ASSERT_TRUE(maps.lend({12'345'678, many}, surface));
     surface->surface.answer(asked, answers);
     double largest_m = 0;
     for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -226,80 +231,92 @@ size = 64
     EXPECT_GT(largest_m, 0.5);
 }
 
-TEST_F(WaveMapsOf, seas_are_held_of_two_while_their_waves_are_the_same) {
+class WavePricesOf : public WaveMapsOf {
+  protected:
+    WavePrices prices{*state, *sea_off_by({})};
+    static constexpr TimeSpan cell{0, 100}, next{100, 200}, far{1000, 1100};
+};
+
+TEST_F(WavePricesOf, sums_that_pay_for_nothing_pay_for_the_time_that_follows_and_for_no_other) {
+    const WaveBatch one;
+    prices.summed(cell, one, 1000);
+    EXPECT_FALSE(prices.pay(far, one, 1000));
+    EXPECT_FALSE(prices.pay(next, one, 1200)) << "one more point is no 200 us";
+    EXPECT_TRUE(prices.pay(next, one, 1000)) << "time runs from one to the other";
+    EXPECT_FALSE(prices.pay(next, one, 1000)) << "once";
+    EXPECT_FALSE(prices.pay(cell, one, 1000));
+}
+
+TEST_F(WavePricesOf, sums_and_keyframes_follow_what_they_take) {
+    const WaveBatch one{.points = 1}, many_times{.points = 10, .times = 10};
+    const double before_us = prices.sum_us(one), keyframe_us = prices.keyframe_us(1);
+    EXPECT_NEAR(prices.sum_us(many_times), 10 * before_us, 1e-9 * before_us);
+    EXPECT_LT(prices.sum_us({.points = 10}), 6.5 * before_us) << "which share what a time takes";
+    EXPECT_LT(prices.sum_us({.cascades = 1}), before_us);
+    for (int i = 0; i < 60; ++i) { // a steep sea, whose sheets are looked for
+        prices.summed(cell, one, 10 * before_us);
+        prices.made(1, 30 * keyframe_us);
+    }
+    EXPECT_NEAR(prices.sum_us(one), 10 * before_us, 0.1 * before_us);
+    EXPECT_NEAR(prices.keyframe_us(1), 30 * keyframe_us, 0.1 * keyframe_us);
+    prices.made(1, 1e9);
+    EXPECT_LT(prices.keyframe_us(1), 60 * keyframe_us) << "who lost the processor once";
+}
+
+TEST_F(WaveMapsOf, seas_are_held_of_some_while_their_waves_are_the_same) {
     MapsOfSeas seas;
     const auto of_epoch = [&](std::uint32_t epoch) {
         auto other = std::make_shared<SeaState>(*state);
         other->epoch = epoch;
         return SeaStatePtr(other);
     };
-    const SeaStatePtr states[] = {of_epoch(1), of_epoch(2), of_epoch(3)};
+    SeaStatePtr states[5];
+    for (std::uint32_t i = 0; i < 5; ++i)
+        states[i] = of_epoch(i);
     const OwnSeaPtr own = sea_off_by({}), better = sea_off_by({0.001, 0.001, 0});
-    const auto first = seas.of(states[0], own);
-    EXPECT_EQ(seas.of(states[0], own), first);
-    const auto second = seas.of(states[1], own);
+    const auto first = seas.of(states[0], own), second = seas.of(states[1], own);
     EXPECT_NE(second, first);
     EXPECT_EQ(seas.of(states[0], own), first);
-    const auto third = seas.of(states[2], own);
-    EXPECT_EQ(seas.of(states[1], own), second);
-    EXPECT_NE(seas.of(states[0], own), first) << "the one that came first has gone";
-    EXPECT_EQ(seas.of(states[2], own), third);
-    const auto more = seas.of(states[2], better);
-    EXPECT_NE(more, third) << "more of its waves have come";
-    EXPECT_EQ(seas.of(states[2], better), more);
-    seas.forget(3);
-    EXPECT_NE(seas.of(states[2], better), more);
+    for (const int i : {2, 3})
+        seas.of(states[i], own);
+    EXPECT_EQ(seas.of(states[0], own), first);
+    const auto fifth = seas.of(states[4], own);
+    EXPECT_EQ(seas.of(states[0], own), first);
+    EXPECT_NE(seas.of(states[1], own), second) << "the one that was asked for least recently";
+    EXPECT_EQ(seas.of(states[4], own), fifth);
+    const auto more = seas.of(states[4], better);
+    EXPECT_NE(more, fifth) << "more of its waves have come";
+    EXPECT_EQ(seas.of(states[4], better), more);
+    seas.forget(4);
+    EXPECT_NE(seas.of(states[4], better), more);
 }
 
-// Wind and depth change, each time with maps of its own waves and of what they grow by. The bound is of the envelope, as a
-// server says it of a glide.
-TEST_F(WaveMapsOf, a_sea_on_its_way_answer_within_their_bounds_of_its_own_sums) {
-    sea::SeaState next = tests::announced_scene().sea;
-    std::get<sea::WindSea>(next.systems[0]).wind_speed_10m_mps = 13;
-    for (const double depth_m : {30.0, 8.0}) {
-        next.depth_m = depth_m;
-        const auto later = std::make_shared<const sea::Realization>(
-            *sea::realize(next, tests::announced_scene().cascades));
-        constexpr sea::TimeUs start_us = 50'000'000, end_us = 62'000'000;
-        const auto change = sea::SeaTransition::create(waves, later, start_us, end_us);
-        ASSERT_TRUE(change);
-        const sea::ErrorBudget costs = sea::plan_budget(*change->envelope(), 0.01);
-        auto values = std::make_shared<SeaState>(*state);
-        values->losses.clear();
-        put(costs, *values);
-        for (std::size_t c = 0; c < cascades; ++c)
-            values->cascades[c].interval_us = costs.cascades[c].interval_us;
-        values->start_time_us = start_us;
-        values->glide = protocol::GlideValues{.end_us = end_us,
-                                              .choppiness_x = values->choppiness_x,
-                                              .choppiness_y = values->choppiness_y};
-        const RebuiltSea from(waves, *values, {}), to(change->after(), *values, {});
-        const auto glide = GlidingSea::create(*values, from, to, start_us, end_us);
-        ASSERT_TRUE(glide) << glide.error().message;
-        MapsOfSeas seas;
-        const auto maps = seas.of(values, *glide);
-        double worst_of_bound = 0;
-        for (const sea::TimeUs time_us :
-             {start_us - 123'456, start_us, start_us + 77'000, sea::TimeUs{54'321'000},
-              sea::TimeUs{56'000'000}, sea::TimeUs{59'999'999}, end_us - 1, end_us + 33'333}) {
-            const auto asked = points(300, time_us);
-            HeldSurfaces::Lent surface;
-            ASSERT_TRUE(maps->lend(time_us, many, 1, surface)) << time_us;
-            std::vector<sea::Answer> answers(asked.size()), sums(asked.size());
-            surface->surface.answer(asked, answers);
-            (*glide)->answer(asked, sums, {});
-            for (std::size_t i = 0; i < asked.size(); ++i) {
-                if (answers[i].flags & sea::answer_folded)
-                    continue;
-                const double off_m = std::abs(answers[i].height_m - sums[i].height_m);
-                EXPECT_LE(off_m, answers[i].error_m + sums[i].error_m) << "at " << time_us;
-                worst_of_bound = std::max(worst_of_bound, off_m / answers[i].error_m);
-                for (int axis = 0; axis < 3; ++axis)
-                    EXPECT_NEAR(answers[i].velocity_mps[axis], sums[i].velocity_mps[axis], 0.1);
-            }
-        }
-        EXPECT_GT(worst_of_bound, 0.2) << "else the bound is none of these maps";
+TEST_F(WaveMapsOf, two_seas_have_keyframes_at_once) {
+    MapsOfSeas seas;
+    const OwnSeaPtr own = sea_off_by({});
+    HeldSurfaces::Lent surface;
+    std::vector<std::shared_ptr<WaveMaps>> maps;
+    for (std::uint32_t epoch = 0; epoch < 3; ++epoch) {
+        auto other = std::make_shared<SeaState>(*state);
+        other->epoch = epoch;
+        maps.push_back(seas.of(other, own));
+        ASSERT_TRUE(maps.back()->lend({1000, many}, surface));
     }
+    EXPECT_TRUE(maps[2]->lend({1000, 1}, surface));
+    EXPECT_TRUE(maps[1]->lend({1000, 1}, surface));
+    EXPECT_FALSE(maps[0]->lend({1000, 1}, surface)) << "its memory has gone back";
+}
+
+// Naive: who asks about times far apart takes the keyframes of who follows the present.
+TEST_F(WaveMapsOf, a_sea_that_are_in_use_stay_while_others_are_made) {
+    WaveMaps maps(state, sea_off_by({}));
+    HeldSurfaces::Lent surface;
+    ASSERT_TRUE(maps.lend({500, many}, surface));
+    for (int far = 1; far < 8; ++far) {
+        ASSERT_TRUE(maps.lend({far * 100 * interval_us, many}, surface));
+        EXPECT_TRUE(maps.lend({500 + far, 1}, surface)) << far;
+    }
+    EXPECT_EQ(maps.made(), 8 * 2 * cascades);
 }
 
 // What a tile is too large to be transformed for is summed.
@@ -310,8 +327,8 @@ TEST_F(WaveMapsOf, a_sea_without_a_transform_are_never_made) {
     larger->cascades[1].rate.resize(48 * 48);
     WaveMaps maps(state, std::make_shared<const RebuiltSea>(larger, *state, RebuiltError{}));
     HeldSurfaces::Lent surface;
-    EXPECT_FALSE(maps.lend(0, many, 1, surface));
-    EXPECT_FALSE(maps.lend(1, many, 1, surface));
+    EXPECT_FALSE(maps.lend({0, many}, surface));
+    EXPECT_FALSE(maps.lend({1, many}, surface));
     EXPECT_LE(maps.made(), 2u) << "nor tried again";
     EXPECT_FALSE(maps.map(0, 1));
     EXPECT_TRUE(maps.map(0, 0)) << "which is of another tile";
@@ -335,7 +352,7 @@ TEST_F(WaveMapsOf, a_sea_answer_many_threads_each_at_its_own_time) {
             std::vector<sea::Answer> answers(asked[t].size());
             for (int round = 0; round < 20; ++round) {
                 HeldSurfaces::Lent surface;
-                if (!maps.lend(asked[t][0].time_us, many, 1, surface))
+                if (!maps.lend({asked[t][0].time_us, many}, surface))
                     continue;
                 ++lent;
                 surface->surface.answer(asked[t], answers, {.mixed = &maps.mixed()});
@@ -349,7 +366,7 @@ TEST_F(WaveMapsOf, a_sea_answer_many_threads_each_at_its_own_time) {
     for (std::thread& thread : threads)
         thread.join();
     EXPECT_EQ(wrong, 0);
-    EXPECT_EQ(lent, 6 * 20) << "others take no place away before it has been used";
+    EXPECT_GT(lent, 0) << "who finds others making them sums meanwhile";
 }
 
 } // namespace

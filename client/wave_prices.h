@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// WavePrices: what sums of waves and keyframes made of them take, and when the second pay. Sums pay, by what they took, towards
+// the keyframes that would have spared them; these are made once they are paid for. So whoever asks waits for no more than about twice
+// what the cheaper way would have taken, whether he asks about a time once or a thousand times ("ski rental": A. R. Karlin
+// et al., "Competitive snoopy caching", Algorithmica 3, 1988).
+//
+// Prices begin with what was measured of a gale (docs/performance.md) and follow what things take: a sum of a steep sea ten times as
+// much, maps of stylised waves a hundred times. Thread-safe; some 0.1 us.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "client/held_surfaces.h"
+#include "client/rebuilt/rebuilt_sea.h"
+
+namespace seaway::client {
+
+/// What sums take, of each wave: at one point, and for each time; of a sea that changes its waves are laid out anew.
+inline constexpr double sum_wave_us = 0.0025;
+inline constexpr double sum_wave_time_us = 0.002;
+inline constexpr double gliding_wave_time_us = 0.25;
+/// What making a keyframe for sampling takes, of each of its grid points; and for each stylised wave besides.
+inline constexpr double map_point_us = 0.05;
+inline constexpr double gliding_map_point_us = 0.07;
+inline constexpr double map_plane_wave_us = 0.005;
+inline constexpr double map_shaped_wave_us = 0.06;
+
+/// Points that are asked about at once, of so many times with the same keyframes.
+struct WaveBatch {
+    sea::TimeUs time_us = 0; ///< one of them
+    std::size_t points = 1;
+    std::size_t times = 1;
+    std::uint32_t cascades = sea::all_cascades;
+};
+
+inline double microseconds_since(std::chrono::steady_clock::time_point begun) {
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begun)
+        .count();
+}
+
+class WavePrices {
+  public:
+    WavePrices(const SeaState& state, const OwnSea& waves);
+
+    double keyframe_us(int cascade) const;
+    double sum_us(const WaveBatch& batch) const;
+
+    /// A keyframe has been made.
+    void made(int cascade, double took_us);
+    /// Points were summed whose keyframes are those of `cell`.
+    void summed(const TimeSpan& cell, const WaveBatch& batch, double took_us);
+    /// Have sums of this cell, with these, paid for keyframes? Then they begin anew.
+    bool pay(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us);
+
+  private:
+    struct Account {
+        TimeSpan cell{0, 0};
+        double paid_us = 0;
+        std::uint64_t last_used = 0;
+    };
+    struct Cascade {
+        double waves = 0;
+        double keyframe_us = 0;
+    };
+    double listed_sum_us(const WaveBatch& batch) const;
+    /// mutex_ held. A new one takes over what is left of a neighbour's: time runs from cell to cell.
+    Account& account_of(const TimeSpan& cell);
+
+    const double wave_time_us_;
+    mutable std::mutex mutex_;
+    std::vector<Cascade> cascades_;
+    double sums_take_ = 1; ///< times listed_sum_us()
+    std::array<Account, 8> accounts_;
+    std::uint64_t uses_ = 0;
+};
+
+} // namespace seaway::client
