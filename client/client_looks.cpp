@@ -75,10 +75,8 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
     };
     std::vector<sea::Answer> answers(points.size());
     const auto keep = [&](std::uint32_t flags) {
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            water[i].answer = answers[i];
-            water[i].answer.flags |= flags;
-        }
+        for (std::size_t i = 0; i < points.size(); ++i)
+            (water[i].answer = answers[i]).flags |= flags;
     };
     if (cascades == 0) {
         for (std::size_t i = 0; i < points.size(); ++i)

@@ -228,7 +228,7 @@ size = 64
         EXPECT_LE(std::abs(answers[i].height_m - is.height_m), answers[i].error_m);
         largest_m = std::max(largest_m, std::abs(is.height_m));
     }
-    EXPECT_GT(largest_m, 0.5);
+    EXPECT_GT(largest_m, 0.2);
 }
 
 class WavePricesOf : public WaveMapsOf {
