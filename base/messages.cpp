@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "base/standard_files.h"
+
 namespace seaway {
 
 namespace {
@@ -77,6 +79,7 @@ int complain(const char* program, int status, std::string_view message) {
 }
 
 int run_main(const char* program, int status, const std::function<int()>& body) {
+    hold_standard_files();
     try {
         return body();
     } catch (const std::bad_alloc&) { // nor is there any for a formatted line

@@ -17,6 +17,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/messages.h"
+#include "base/standard_files.h"
 #include "base/text_file.h"
 #include "server/devices.h"
 #include "server/log_format.h"
@@ -264,6 +265,7 @@ int list_devices() {
 
 int main(int argc, char** argv) {
     using namespace seaway::server;
+    seaway::hold_standard_files();
     try {
         set_log_format("text");
         const auto options = read_options(argc, argv);

@@ -56,10 +56,9 @@ void net_options(CommandLine& line, NetOptions& net) {
                 "File with the token that clients then need in their first message, and for every "
                 "page and map but /healthz, /readyz and the frame of the status page")
         .takes("FILE");
-    line.option(
-            "--allow-origin", net.allowed_origins,
-            "Pages of this origin may use the server, as https://sea.example.org; its host is a "
-            "name that the server answers to. May be given again")
+    line.option("--allow-origin", net.allowed_origins,
+                "Pages of this origin may open streams, as https://sea.example.org; its host is a "
+                "name that the server answers to. May be given again")
         .takes("ORIGIN")
         .one_at_a_time();
     line.option("--drain", net.drain_s,

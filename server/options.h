@@ -33,7 +33,7 @@ enum ExitCode : int {
     exit_usage = 2,
     exit_no_device = 3,
     exit_cannot_listen = 4,
-    exit_no_journal = 5 ///< NATS cannot be reached; it passes with that
+    exit_no_journal = 5 ///< NATS cannot be reached, or the disk is full; it passes with that
 };
 
 /// The options, or the exit code after --help, --version (0) or a usage error (2), which has been

@@ -107,6 +107,9 @@ void ServedWebSocket::Impl::on_quiet() {
         return; // the timer is leave()'s, and this call of it was on its way before
     if (!receiving)
         heard = Clock::now(); // nobody listens
+    // Nor did a process that stood still, or its machine: what was sent meanwhile is still to be read.
+    if (const auto late = Clock::now() - timer.expiry(); late > options.idle_patience / 4)
+        heard += late;
     const auto quiet = Clock::now() - heard;
     if (quiet >= options.idle_patience) {
         silent = true;

@@ -18,6 +18,7 @@ namespace {
 /// "Seaw", in the header of the file (sqlite.org/fileformat2.html, offset 68).
 constexpr std::int32_t application_id = 0x53656177;
 constexpr std::int32_t version = 1;
+constexpr std::uintmax_t page_bytes = 4096;
 constexpr int busy_wait_ms = 5000; ///< for who looks at the file with another program
 
 constexpr const char* layout = R"(
@@ -33,8 +34,13 @@ constexpr const char* layout = R"(
 )";
 static_assert(application_id == 1399153015 && version == 1, "as the layout says");
 
+/// A disk that is full, or does not answer, is no wrong journal: it passes.
 Error sql_error(sqlite3* database) {
-    return Error{sqlite3_errmsg(database)};
+    const int code = sqlite3_errcode(database) & 0xff;
+    Error error{sqlite3_errmsg(database)};
+    if (code == SQLITE_FULL || code == SQLITE_IOERR)
+        error.kind = JournalError::unreachable;
+    return error;
 }
 
 Result<void> run(sqlite3* database, const char* sql) {
@@ -153,6 +159,16 @@ Error SqliteJournal::wrong(const std::string& why) const {
     return Error{fmt::format("{}: {}", path_, why)};
 }
 
+Error SqliteJournal::not_opened(const Error& why, const std::string& what) const {
+    Error error = wrong(what + why.message);
+    error.kind = why.kind;
+    std::error_code unknown;
+    const auto room = std::filesystem::space(std::filesystem::path(path_).parent_path(), unknown);
+    if (why.is(JournalError::unreachable) && !unknown && room.available < page_bytes)
+        error.message += "; the disk is full";
+    return error;
+}
+
 Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& folder,
                                                            const Beginning& beginning,
                                                            const std::string& option) {
@@ -177,11 +193,12 @@ Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& fo
             return journal->wrong(alone.error().message);
     if (!there)
         if (const Result<void> made = create(folder, journal->path_, beginning); !made)
-            return journal->wrong("cannot be made: " + made.error().message);
+            return journal->not_opened(made.error(), "cannot be made: ");
     if (const Result<void> fine = check_header(journal->path_); !fine)
         return journal->wrong(fine.error().message);
     if (const Result<void> opened = journal->open_file(); !opened)
-        return journal->wrong(opened.error().message);
+        return journal->not_opened(opened.error());
+    journal->file_ = file_identity(journal->path_);
     return journal;
 }
 
@@ -251,6 +268,8 @@ Result<void> SqliteJournal::look_through() {
     };
     SEAWAY_TRY_LET(Statement check, Statement::prepare(database_.get(), "PRAGMA quick_check(1)"));
     const Result<bool> checked = check.step();
+    if (!checked && checked.error().is(JournalError::unreachable))
+        return checked.error();
     if (!checked || !*checked || check.text(0) != "ok")
         return is_damaged(checked ? check.text(0) : checked.error().message);
     Result<Statement> sea = Statement::prepare(database_.get(), "SELECT epoch_utc_us FROM sea");
@@ -333,6 +352,9 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
     const std::scoped_lock lock(mutex_);
     if (const Result<void> next = check_next(last_, change); !next)
         return wrong(next.error().message);
+    if (file_identity(path_) != file_) // what is written to it nobody would find
+        return wrong("was removed or replaced while this server runs: a restart goes on with what "
+                     "is there then");
     const std::uint64_t sum = sum_of(sum_, change);
     if (const Result<void> written = insert(database_.get(), change, sum); !written)
         return undone(wrong(written.error().message));

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 
+#include "base/file_identity.h"
 #include "base/folder_lock.h"
 #include "server/journal/journal.h"
 
@@ -53,10 +54,13 @@ class SqliteJournal final : public Journal {
     Result<void> look_through();
     void hold(const SeaChange& last);
     Error wrong(const std::string& why) const;
+    /// With the kind of `why`.
+    Error not_opened(const Error& why, const std::string& what = {}) const;
     Error undone(Error why);
 
     FolderLock lock_;
     std::string path_;
+    std::optional<FileIdentity> file_; ///< that was opened
     mutable std::mutex mutex_;
     Database database_;
     mutable std::mutex reading_;

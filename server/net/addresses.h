@@ -42,8 +42,8 @@ class Bucket {
 };
 
 /// Why somebody is turned away for what his address does.
-enum class Crowding { connections, sessions, wrong_tokens, tokens_not_looked_at };
-inline constexpr std::size_t crowdings = 4;
+enum class Crowding { connections, sessions, wrong_tokens, tokens_not_looked_at, not_understood };
+inline constexpr std::size_t crowdings = 5;
 
 struct Address {
     Address(std::string who, const NetOptions& options);

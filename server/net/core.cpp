@@ -68,15 +68,15 @@ std::chrono::milliseconds Core::pause_of_all(double least_s) const {
 
 void Core::begin_to_hand_over(const std::string& why) {
     retry_after = pause_of_all(hand_over_s_min);
-    log(fmt::format("event=handing_over sessions={} retry_after_ms={} why=\"{}\"", sessions.size(),
-                    retry_after.count(), why));
+    log_act(fmt::format("event=handing_over sessions={} retry_after_ms={} why=\"{}\"",
+                        sessions.size(), retry_after.count(), why));
 }
 
 void Core::begin_to_stop() {
     retry_after = pause_of_all(retry_after_s_min);
     stopping = true;
-    log(fmt::format("event=stopping sessions={} drain_s={} retry_after_ms={}", sessions.size(),
-                    options.drain_s, retry_after.count()));
+    log_act(fmt::format("event=stopping sessions={} drain_s={} retry_after_ms={}", sessions.size(),
+                        options.drain_s, retry_after.count()));
 }
 
 void Core::log(const std::string& line) {

@@ -274,7 +274,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void note(std::string_view what, error_code error) {
-        note_bad_peer(core(), peer_.name, what, error);
+        note_bad_peer(core(), peer_, what, error.message());
     }
 
     /// What was asked may not have been read to its end. Who stays makes room for a newcomer.

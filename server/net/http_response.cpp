@@ -81,10 +81,12 @@ bool is_usual_end(error_code error) {
            error == boost::asio::error::operation_aborted;
 }
 
-void note_bad_peer(Core& core, std::string_view peer, std::string_view what, error_code error) {
+void note_bad_peer(Core& core, const Peer& peer, std::string_view what, std::string_view why) {
     ++core.counters.handshakes_failed;
-    core.log(fmt::format("event=connection_refused peer={} reason=bad_{} why=\"{}\"", peer, what,
-                         printable(error.message())));
+    if (const std::uint64_t count =
+            peer.address->turn_away(Crowding::not_understood, Bucket::Clock::now()))
+        core.log(fmt::format("event=connection_refused peer={} reason=bad_{} count={} why=\"{}\"",
+                             peer.name, what, count, printable(why)));
 }
 
 } // namespace seaway::server

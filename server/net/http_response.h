@@ -25,8 +25,7 @@ void write_map_header(Core& core, sockets::Socket& socket, std::uint64_t bytes, 
 /// A peer that goes away, or says nothing, between requests: none of our business.
 bool is_usual_end(sockets::error_code error);
 
-/// A peer whose handshake, request or response came to nothing: counted, and a line in the log.
-void note_bad_peer(Core& core, std::string_view peer, std::string_view what,
-                   sockets::error_code error);
+/// A peer whose handshake, request or response came to nothing: counted, and of each address a line of the log in ten seconds.
+void note_bad_peer(Core& core, const Peer& peer, std::string_view what, std::string_view why);
 
 } // namespace seaway::server

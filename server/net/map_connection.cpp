@@ -203,7 +203,7 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
 
     void failed(error_code error) {
         if (!is_usual_end(error))
-            note_bad_peer(core(), peer_.name, "http", error);
+            note_bad_peer(core(), peer_, "http", error.message());
         socket_.close();
     }
 

@@ -9,6 +9,7 @@
 
 #include "protocol/limits.h"
 #include "server/net/connection.h"
+#include "server/net/http_response.h"
 #include "server/net/session.h"
 #include "sockets/served_web_socket.h"
 #include "sockets/upgrade.h"
@@ -230,10 +231,8 @@ class StreamConnection final : public Link,
         if (lost_) // it has made room meanwhile
             return;
         if (!accepted) {
-            ++core().counters.handshakes_failed;
             ++core().counters.sessions_refused["bad_upgrade"];
-            core().log(fmt::format("event=connection_refused peer={} reason=bad_upgrade why=\"{}\"",
-                                   peer_.name, accepted.error().message));
+            note_bad_peer(core(), peer_, "upgrade", accepted.error().message);
             return drop();
         }
         session_.emplace(core(), *this, peer_, standing_);

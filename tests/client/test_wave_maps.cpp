@@ -307,6 +307,58 @@ TEST_F(WaveMapsOf, two_seas_have_keyframes_at_once) {
     EXPECT_FALSE(maps[0]->lend({1000, 1}, surface)) << "its memory has gone back";
 }
 
+// Wind and depth change, each time with maps of its own waves and of what they grow by. The bound is of the envelope, as a
+// server says it of a glide.
+TEST_F(WaveMapsOf, a_sea_on_its_way_answer_within_their_bounds_of_its_own_sums) {
+    sea::SeaState next = tests::announced_scene().sea;
+    std::get<sea::WindSea>(next.systems[0]).wind_speed_10m_mps = 13;
+    for (const double depth_m : {30.0, 8.0}) {
+        next.depth_m = depth_m;
+        const auto later = std::make_shared<const sea::Realization>(
+            *sea::realize(next, tests::announced_scene().cascades));
+        constexpr sea::TimeUs start_us = 50'000'000, end_us = 62'000'000;
+        const auto change = sea::SeaTransition::create(waves, later, start_us, end_us);
+        ASSERT_TRUE(change);
+        const sea::ErrorBudget costs = sea::plan_budget(*change->envelope(), 0.01);
+        auto values = std::make_shared<SeaState>(*state);
+        values->losses.clear();
+        put(costs, *values);
+        const sea::TimeUs apart_us = std::ranges::min(costs.cascades, {}, of_interval).interval_us;
+        for (protocol::CascadeInfo& cascade : values->cascades)
+            cascade.interval_us = apart_us;
+        values->start_time_us = start_us;
+        values->glide = protocol::GlideValues{.end_us = end_us,
+                                              .choppiness_x = values->choppiness_x,
+                                              .choppiness_y = values->choppiness_y};
+        const RebuiltSea from(waves, *values, {}), to(change->after(), *values, {});
+        const auto glide = GlidingSea::create(*values, from, to, start_us, end_us);
+        ASSERT_TRUE(glide) << glide.error().message;
+        MapsOfSeas seas;
+        const auto maps = seas.of(values, *glide);
+        double worst_of_bound = 0;
+        for (const sea::TimeUs time_us :
+             {start_us - 123'456, start_us, start_us + 77'000, sea::TimeUs{54'321'000},
+              sea::TimeUs{56'000'000}, sea::TimeUs{59'999'999}, end_us - 1, end_us + 33'333}) {
+            const auto asked = points(300, time_us);
+            HeldSurfaces::Lent surface;
+            ASSERT_TRUE(maps->lend({time_us, many}, surface)) << time_us;
+            std::vector<sea::Answer> answers(asked.size()), sums(asked.size());
+            surface->surface.answer(asked, answers);
+            (*glide)->answer(asked, sums, {});
+            for (std::size_t i = 0; i < asked.size(); ++i) {
+                if (answers[i].flags & sea::answer_folded)
+                    continue;
+                const double off_m = std::abs(answers[i].height_m - sums[i].height_m);
+                EXPECT_LE(off_m, answers[i].error_m + sums[i].error_m) << "at " << time_us;
+                worst_of_bound = std::max(worst_of_bound, off_m / answers[i].error_m);
+                for (int axis = 0; axis < 3; ++axis) // of waves of 1 m/s, on a grid of 64
+                    EXPECT_NEAR(answers[i].velocity_mps[axis], sums[i].velocity_mps[axis], 0.06);
+            }
+        }
+        EXPECT_GT(worst_of_bound, 0.2) << "else the bound is none of these maps";
+    }
+}
+
 // Naive: who asks about times far apart takes the keyframes of who follows the present.
 TEST_F(WaveMapsOf, a_sea_that_are_in_use_stay_while_others_are_made) {
     WaveMaps maps(state, sea_off_by({}));

@@ -246,6 +246,21 @@ TEST_F(ServedWebSocketTest, a_peer_that_says_nothing_is_pinged_and_given_up) {
     EXPECT_EQ(answer, std::string("\x89\x00", 2)) << "one ping";
 }
 
+// Naive: a process that was stopped for a while, or its machine, ends everybody for silence before it has looked at what they
+// said meanwhile.
+TEST_F(ServedWebSocketTest, who_was_not_heard_because_the_process_stood_still_is_pinged_first) {
+    accept(std::chrono::milliseconds(400));
+    read_all();
+    run_until([&] { return !answer.empty(); });
+    EXPECT_EQ(answer, std::string("\x89\x00", 2)) << "asked already";
+    std::this_thread::sleep_for(std::chrono::milliseconds(700)); // nothing runs
+    say(client_frame(FrameBytes{'h'}));
+    run_until([&] { return end || !heard.empty(); });
+    EXPECT_FALSE(end);
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::silent)) << "and who stays silent is given up as before";
+}
+
 TEST_F(ServedWebSocketTest, who_is_not_listened_to_is_not_silent) {
     accept(std::chrono::milliseconds(100));
     pair->io.restart();

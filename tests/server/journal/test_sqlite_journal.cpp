@@ -16,6 +16,7 @@
 
 #include "server/journal/sqlite_journal.h"
 #include "tests/server/journal/journals.h"
+#include "tests/support/full_disk.h"
 
 namespace seaway::server {
 namespace {
@@ -42,6 +43,38 @@ void write(const std::string& path, const std::string& bytes) {
 std::string error_of(const std::string& folder) {
     const auto opened = SqliteJournal::open(folder, beginning);
     return opened ? "it was opened" : opened.error().message;
+}
+
+// Naive: what is written to a file that has no name any more is acknowledged, and no restart finds it.
+TEST(SqliteJournal, keeps_nothing_in_a_file_that_was_removed_or_replaced) {
+    const std::string folder = fresh_folder(), kept = fresh_folder();
+    auto journal = SqliteJournal::open(folder, beginning).value();
+    ASSERT_TRUE(journal->append(change(2)));
+    fs::rename(folder, kept);
+    const auto refused = journal->append(change(3));
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("was removed or replaced"), std::string::npos)
+        << refused.error().message;
+    fs::create_directory(folder);
+    fs::copy(kept, folder); // as a backup that is put back
+    EXPECT_FALSE(journal->append(change(3)));
+    fs::remove_all(folder);
+    fs::rename(kept, folder);
+    EXPECT_TRUE(journal->append(change(3))) << "it is there again";
+    EXPECT_EQ(journal->since(0).value().size(), 3u);
+}
+
+// A disk that has no room for the files beside it, which are made by whoever opens it: another start may find some.
+TEST(SqliteJournal, on_a_full_disk_is_no_wrong_one) {
+    const std::string folder = fresh_folder(), fresh = fresh_folder();
+    ASSERT_TRUE(SqliteJournal::open(folder, beginning).value()->append(change(2)));
+    for (const std::string& place : {folder, fresh}) {
+        const auto opened =
+            tests::on_full_disk(1000, [&] { return SqliteJournal::open(place, beginning); });
+        ASSERT_FALSE(opened);
+        EXPECT_TRUE(opened.error().is(JournalError::unreachable)) << opened.error().message;
+    }
+    EXPECT_EQ(SqliteJournal::open(folder, beginning).value()->since(0).value().size(), 2u);
 }
 
 TEST(SqliteJournal, is_of_one_process_at_a_time) {

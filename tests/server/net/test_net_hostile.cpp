@@ -211,10 +211,13 @@ TEST_F(NetHostile, every_kind_of_bad_client_ends_with_one_line_and_nobody_else_n
         }
     }
     EXPECT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 1; }));
+    const auto not_understood = metric("seaway_net_handshakes_failed_total");
     EXPECT_EQ(healthy.gaps(), 0);
     net->stop();
     healthy.join();
-    EXPECT_EQ(log.lines_with("event=connection_refused", "reason=bad_http").size(), 6u);
+    EXPECT_EQ(not_understood, 6);
+    EXPECT_EQ(log.lines_with("event=connection_refused", "reason=bad_http").size(), 1u)
+        << "of one address one line in ten seconds";
     EXPECT_EQ(closed("bad_message"), 12u);
     EXPECT_EQ(closed("hello_expected"), 3u);
     EXPECT_EQ(closed("disconnected"), 3u);
@@ -366,12 +369,16 @@ TEST_F(NetHostile, a_flood_of_bad_connections_is_not_a_flood_of_log) {
         peer.say(std::string_view("\0\0\0\r\n\r\n", 7));
     }
     ASSERT_TRUE(eventually([&] { return metric("seaway_net_handshakes_failed_total") == 2000; }));
+    HealthySubscriber healthy(port());
+    EXPECT_TRUE(eventually([&] { return !log.lines_with("event=session_open").empty(); }))
+        << "what others do is told all the same";
     net->stop();
-    // Each clock second that was touched lets 200 lines through.
+    healthy.join();
+    EXPECT_EQ(log.lines_with("event=stopping").size(), 1u);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
     EXPECT_LE(static_cast<double>(log.lines_with("event=connection_refused").size()),
-              200 * (std::ceil(taken.count()) + 1));
-    EXPECT_GE(log.lines_with("event=connection_refused").size(), 200u);
+              1 + taken.count() / 10);
+    EXPECT_GE(log.lines_with("event=connection_refused", "count=").size(), 1u);
 }
 
 } // namespace

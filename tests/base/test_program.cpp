@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+// What a program is told by signals, and begins with.
+#include "base/standard_files.h"
 #include "base/stop_wanted.h"
 
 #include <chrono>
@@ -6,7 +8,9 @@
 #include <cstdlib>
 #include <thread>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 namespace seaway {
 namespace {
@@ -44,6 +48,22 @@ TEST(StopWanted, ends_the_process_as_it_would_have) {
             end_by_stop_signal();
         },
         ::testing::KilledBySignal(SIGINT), "");
+}
+
+// Naive: the next file that is opened is the log.
+TEST(StandardFiles, that_are_closed_are_not_those_that_are_opened_next) {
+    EXPECT_EXIT(
+        {
+            close(STDIN_FILENO);
+            close(STDERR_FILENO);
+            hold_standard_files();
+            const int next = open("/dev/null", O_RDWR);
+            char byte = 0;
+            const bool fails =
+                ::write(STDERR_FILENO, "x", 1) < 0 && ::read(STDIN_FILENO, &byte, 1) < 0;
+            _exit(next > STDERR_FILENO && fails ? 7 : 8);
+        },
+        ::testing::ExitedWithCode(7), "");
 }
 
 } // namespace
