@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: what engines ask beside heights (looks.h).
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "base/thread_time.h"
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "sea/surface/budget/error_budget.h"
@@ -104,12 +104,12 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
             surface.fold_blur_m());
         return {};
     }
-    const auto begun = std::chrono::steady_clock::now();
+    const double begun_us = thread_time_us();
     waves->at(time_us, [&](const RebuiltSea& sea) {
         const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
         for (std::size_t i = 0; i < points.size(); ++i)
             answers[i] = sea.answer(points[i], moment);
-        maps->summed(batch, microseconds_since(begun));
+        maps->summed(batch, thread_time_us() - begun_us);
         keep(0);
         const sea::Choppiness choppiness = sea.sum().sea().choppiness;
         put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: whose waves it has, and what sea follows of them.
 #include <algorithm>
-#include <chrono>
 
+#include "base/thread_time.h"
 #include "client/client.h"
 
 namespace seaway::client {
@@ -131,10 +131,10 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
             surface->surface.answer(asked, answered, some.answering(maps->mixed()));
             continue;
         }
-        const auto begun = std::chrono::steady_clock::now();
+        const double begun_us = thread_time_us();
         then.waves->answer(asked, answered, some.terms, cascades);
         if (maps)
-            maps->summed(batch, microseconds_since(begun));
+            maps->summed(batch, thread_time_us() - begun_us);
         if (how.parts == sea::AnswerParts::height)
             for (sea::Answer& answer : answered)
                 leave_out_velocity(answer);

@@ -64,19 +64,25 @@ void HeldSurfaces::take(Place& place, Lent& lent) {
     lent.place_ = &place;
 }
 
+bool HeldSurfaces::find(const SeaStatePtr& state, const KeyframeRing& ring, sea::TimeUs time_us,
+                        sea::FieldSet fields, Lent& lent, std::uint32_t cascades) {
+    lent.give_back();
+    const std::uint64_t changes = ring.changes();
+    const std::scoped_lock lock(mutex_);
+    for (Place& place : places_)
+        if (place.ring_changes == changes && fits(place, state, time_us, fields, cascades)) {
+            take(place, lent);
+            return true;
+        }
+    return false;
+}
+
 Result<void> HeldSurfaces::lend(const SeaStatePtr& state, const KeyframeRing& ring,
                                 sea::TimeUs time_us, sea::FieldSet fields, Lent& lent,
                                 std::uint32_t cascades) {
-    lent.give_back();
     const std::uint64_t changes = ring.changes(); // before the ring is looked at
-    {
-        const std::scoped_lock lock(mutex_);
-        for (Place& place : places_)
-            if (place.ring_changes == changes && fits(place, state, time_us, fields, cascades)) {
-                take(place, lent);
-                return {};
-            }
-    }
+    if (find(state, ring, time_us, fields, lent, cascades))
+        return {};
     SEAWAY_TRY_LET(const HeldPairs held, held_pairs(*state, ring, time_us, fields, cascades));
     const std::scoped_lock lock(mutex_);
     Place* oldest = nullptr;

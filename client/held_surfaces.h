@@ -66,6 +66,9 @@ class HeldSurfaces {
     /// The surface around one time, as local_surface().
     Result<void> lend(const SeaStatePtr& state, const KeyframeRing& ring, sea::TimeUs time_us,
                       sea::FieldSet fields, Lent& lent, std::uint32_t cascades = sea::all_cascades);
+    /// The same, of those that are made already: at once.
+    bool find(const SeaStatePtr& state, const KeyframeRing& ring, sea::TimeUs time_us,
+              sea::FieldSet fields, Lent& lent, std::uint32_t cascades = sea::all_cascades);
     /// For whoever asks a surface of these again and again about one time.
     sea::MixedMaps& mixed() { return mixed_; }
     /// Lets go of keyframes that the ring has let go.

@@ -2,7 +2,8 @@
 #include "client/wave_maps.h"
 
 #include <algorithm>
-#include <chrono>
+
+#include "base/thread_time.h"
 
 #include "sea/surface/map_error.h"
 
@@ -65,20 +66,8 @@ void WaveMaps::summed(const WaveBatch& batch, double took_us) {
     prices_.summed(cell_span(*state_, batch.time_us), batch, took_us);
 }
 
-void WaveMaps::note_use(TimeUs time_us) {
-    const std::scoped_lock lock(mutex_);
-    if (!cell_span(*state_, used_us_[0]).contains(time_us))
-        used_us_[1] = used_us_[0];
-    used_us_[0] = time_us;
-}
-
-TimeUs WaveMaps::used_elsewhere(const TimeSpan& cell) {
-    const std::scoped_lock lock(mutex_);
-    return used_us_[cell.contains(used_us_[0]) ? 1 : 0];
-}
-
 HeldKeyframePtr WaveMaps::make(const Needed& one) {
-    const auto begun = std::chrono::steady_clock::now();
+    const double begun_us = thread_time_us();
     std::optional<sea::Keyframe> keyframe =
         keyframes_.make(state_->epoch, one.cascade, one.time_us);
     if (!keyframe)
@@ -94,7 +83,7 @@ HeldKeyframePtr WaveMaps::make(const Needed& one) {
     HeldKeyframePtr made = HeldKeyframe::as_spline(std::make_shared<const HeldKeyframe>(
         *std::move(keyframe), HeldKeyframe::FieldErrors{}, misses));
     ++made_;
-    prices_.made(one.cascade, microseconds_since(begun));
+    prices_.made(one.cascade, thread_time_us() - begun_us);
     return made;
 }
 
@@ -102,7 +91,7 @@ bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
     if (missing_us(time_us, cascades) == 0) // another thread has made it
         return true;
     const Pairs needed = around(time_us, cascades);
-    const Pairs elsewhere = around(used_elsewhere(cell_span(*state_, time_us)), cascades);
+    const Pairs elsewhere = around(used_us_, cascades);
     for (const Pairs* pairs : {&elsewhere, &needed}) // the last to go
         for (const Needed& one : *pairs)
             if (const HeldKeyframePtr there = held(one))
@@ -121,33 +110,42 @@ bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
 }
 
 bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
-    if (!is_worth(batch))
-        return false;
+    const auto found = [&] {
+        return surfaces_.find(state_, ring_, batch.time_us, sea::surface_fields, surface,
+                              batch.cascades) &&
+               surface->covers;
+    };
     const auto lent = [&] {
         return missing_us(batch.time_us, batch.cascades) == 0 &&
                surfaces_.lend(state_, ring_, batch.time_us, sea::surface_fields, surface,
                               batch.cascades) &&
                surface->covers;
     };
-    note_use(batch.time_us);
-    if (lent())
-        return true;
-    const std::unique_lock making(making_, std::try_to_lock);
-    return making.owns_lock() && make_what_lacks(batch.time_us, batch.cascades) && lent();
+    const auto made = [&] {
+        const std::unique_lock making(making_, std::try_to_lock);
+        return making.owns_lock() && make_what_lacks(batch.time_us, batch.cascades) && lent();
+    };
+    const bool felt = batch.cascades & 1u;
+    if (!felt || !(found() || (is_worth(batch) && (lent() || made()))))
+        return false;
+    used_us_ = batch.time_us;
+    return true;
 }
 
-std::optional<LocalSurface> WaveMaps::held_surface(TimeUs time_us, std::uint32_t cascades) const {
+std::optional<LocalSurface> WaveMaps::held_surface(TimeUs time_us, std::uint32_t cascades) {
     if (missing_us(time_us, cascades) > 0)
         return std::nullopt;
     Result<LocalSurface> held =
         local_surface(*state_, ring_, time_us, sea::surface_fields, cascades);
-    return held && held->covers ? std::optional(*std::move(held)) : std::nullopt;
+    if (!held || !held->covers)
+        return std::nullopt;
+    used_us_ = time_us;
+    return *std::move(held);
 }
 
 std::optional<LocalSurface> WaveMaps::surface(const WaveBatch& batch) {
     if (!is_worth(batch))
         return std::nullopt;
-    note_use(batch.time_us);
     if (auto held = held_surface(batch.time_us, batch.cascades))
         return held;
     const std::unique_lock making(making_, std::try_to_lock);
@@ -157,7 +155,6 @@ std::optional<LocalSurface> WaveMaps::surface(const WaveBatch& batch) {
 }
 
 std::optional<LocalSurface> WaveMaps::map(TimeUs time_us, int cascade) {
-    note_use(time_us);
     if (auto held = held_surface(time_us, 1u << cascade))
         return held;
     const std::scoped_lock making(making_);

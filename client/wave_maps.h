@@ -8,7 +8,6 @@
 // keyframes a cascade, 2.4 MB each at 256 x 256 and 38 at 1024 x 1024, and a third of that for the waves; nothing before the first are made.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -66,9 +65,7 @@ class WaveMaps {
     /// Is all there, or to be made for this?
     bool is_worth(const WaveBatch& batch);
     /// With all that it needs: nothing without.
-    std::optional<LocalSurface> held_surface(sea::TimeUs time_us, std::uint32_t cascades) const;
-    void note_use(sea::TimeUs time_us);
-    sea::TimeUs used_elsewhere(const TimeSpan& cell);
+    std::optional<LocalSurface> held_surface(sea::TimeUs time_us, std::uint32_t cascades);
     // making_ held.
     bool make_what_lacks(sea::TimeUs time_us, std::uint32_t cascades); ///< false: it cannot
     HeldKeyframePtr make(const Needed& one);
@@ -80,9 +77,7 @@ class WaveMaps {
     KeyframeRing ring_;
     HeldSurfaces surfaces_;
 
-    std::mutex mutex_; ///< of what follows
-    /// Times that were asked about last, each of other keyframes: those of the second stay while others are made.
-    std::array<sea::TimeUs, 2> used_us_{};
+    std::atomic<sea::TimeUs> used_us_ = 0; ///< last: its keyframes stay while others are made
 
     std::mutex making_; ///< of what follows
     WaveKeyframes keyframes_;

@@ -7,33 +7,34 @@ namespace seaway::client {
 
 namespace {
 
-/// What something is expected to take once it has taken this. A thread that lost its processor in between moves it little.
+/// What something is expected to take once it has taken this.
 double learnt(double expected, double took) {
     return 0.75 * expected + 0.25 * std::clamp(took, expected / 4, expected * 4);
 }
 
-double shaped_wave_us(const sea::SineField& field) {
+double stylised_wave_us(const sea::SineField& field) {
     return (field.kind == sea::SineKind::exponential || !field.octaves.empty()) ? map_shaped_wave_us
                                                                                 : map_plane_wave_us;
 }
 
 } // namespace
 
-WavePrices::WavePrices(const SeaState& state, const OwnSea& waves)
-    : wave_time_us_(waves.change() ? gliding_wave_time_us : sum_wave_time_us) {
+WavePrices::WavePrices(const SeaState& state, const OwnSea& waves) {
+    const bool glides = waves.change() != nullptr;
     const sea::RealizationPtr sea =
-        waves.change() ? waves.change()->after() : waves.waves_at(state.start_time_us);
+        glides ? waves.change()->after() : waves.waves_at(state.start_time_us);
     for (const sea::CascadeModes& modes : sea->cascades) {
-        double point_us = waves.change() ? gliding_map_point_us : map_point_us;
-        Cascade cascade{.waves = static_cast<double>(std::ranges::count_if(
-                            modes.h0, [](const auto& h0) { return h0 != 0.0; }))};
-        for (const sea::SineField& field : modes.sines) {
-            const auto count = static_cast<double>(field.waves.size() + field.octaves.size());
-            cascade.waves += count;
-            point_us += count * shaped_wave_us(field);
-        }
-        cascade.keyframe_us = point_us * modes.spec.size * modes.spec.size;
-        cascades_.push_back(cascade);
+        const auto count = static_cast<double>(
+            std::ranges::count_if(modes.h0, [](const auto& h0) { return h0 != 0.0; }));
+        double stylised_us = 0;
+        for (const sea::SineField& field : modes.sines)
+            stylised_us += static_cast<double>(field.waves.size() + field.octaves.size()) *
+                           stylised_wave_us(field);
+        const double map_us = (glides ? gliding_map_point_us : map_point_us) + stylised_us;
+        cascades_.push_back(
+            {.sum_point_us = count * sum_wave_us + stylised_us,
+             .sum_time_us = count * (glides ? gliding_wave_time_us : sum_wave_time_us),
+             .keyframe_us = map_us * modes.spec.size * modes.spec.size});
     }
 }
 
@@ -42,12 +43,19 @@ double WavePrices::keyframe_us(int cascade) const {
     return cascades_[static_cast<std::size_t>(cascade)].keyframe_us;
 }
 
-double WavePrices::listed_sum_us(const WaveBatch& batch) const {
-    double waves = 0;
+double WavePrices::listed_point_us(std::uint32_t cascades) const {
+    double us = 0;
     for (std::size_t c = 0; c < cascades_.size(); ++c)
-        waves += batch.cascades >> c & 1u ? cascades_[c].waves : 0;
-    return waves * (sum_wave_us * static_cast<double>(batch.points) +
-                    wave_time_us_ * static_cast<double>(batch.times));
+        us += cascades >> c & 1u ? cascades_[c].sum_point_us : 0;
+    return us;
+}
+
+double WavePrices::listed_sum_us(const WaveBatch& batch) const {
+    double time_us = 0;
+    for (std::size_t c = 0; c < cascades_.size(); ++c)
+        time_us += batch.cascades >> c & 1u ? cascades_[c].sum_time_us : 0;
+    return listed_point_us(batch.cascades) * static_cast<double>(batch.points) +
+           time_us * static_cast<double>(batch.times);
 }
 
 double WavePrices::sum_us(const WaveBatch& batch) const {
@@ -70,6 +78,8 @@ void WavePrices::summed(const TimeSpan& cell, const WaveBatch& batch, double too
 
 bool WavePrices::pay(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us) {
     const std::scoped_lock lock(mutex_);
+    if (listed_point_us(batch.cascades) < sampled_point_us)
+        return false;
     Account& account = account_of(cell);
     if (account.paid_us + sums_take_ * listed_sum_us(batch) < keyframes_us)
         return false;

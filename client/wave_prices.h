@@ -9,7 +9,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
@@ -20,7 +19,8 @@
 
 namespace seaway::client {
 
-/// What sums take, of each wave: at one point, and for each time; of a sea that changes its waves are laid out anew.
+/// What sums take, of each wave: at one point, and for each time; of a sea that changes its waves are laid out anew. Of a stylised wave
+/// at one point what it adds to a map's.
 inline constexpr double sum_wave_us = 0.0025;
 inline constexpr double sum_wave_time_us = 0.002;
 inline constexpr double gliding_wave_time_us = 0.25;
@@ -30,6 +30,9 @@ inline constexpr double gliding_map_point_us = 0.07;
 inline constexpr double map_plane_wave_us = 0.005;
 inline constexpr double map_shaped_wave_us = 0.06;
 
+/// What a point from maps takes. Sums that are listed at less are of so few waves that no keyframe ever pays.
+inline constexpr double sampled_point_us = 1;
+
 /// Points that are asked about at once, of so many times with the same keyframes.
 struct WaveBatch {
     sea::TimeUs time_us = 0; ///< one of them
@@ -38,11 +41,6 @@ struct WaveBatch {
     std::uint32_t cascades = sea::all_cascades;
 };
 
-inline double microseconds_since(std::chrono::steady_clock::time_point begun) {
-    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begun)
-        .count();
-}
-
 class WavePrices {
   public:
     WavePrices(const SeaState& state, const OwnSea& waves);
@@ -50,6 +48,7 @@ class WavePrices {
     double keyframe_us(int cascade) const;
     double sum_us(const WaveBatch& batch) const;
 
+    // Times are what a thread has worked.
     /// A keyframe has been made.
     void made(int cascade, double took_us);
     /// Points were summed whose keyframes are those of `cell`.
@@ -64,14 +63,15 @@ class WavePrices {
         std::uint64_t last_used = 0;
     };
     struct Cascade {
-        double waves = 0;
+        double sum_point_us = 0;
+        double sum_time_us = 0;
         double keyframe_us = 0;
     };
+    double listed_point_us(std::uint32_t cascades) const;
     double listed_sum_us(const WaveBatch& batch) const;
     /// mutex_ held. A new one takes over what is left of a neighbour's: time runs from cell to cell.
     Account& account_of(const TimeSpan& cell);
 
-    const double wave_time_us_;
     mutable std::mutex mutex_;
     std::vector<Cascade> cascades_;
     double sums_take_ = 1; ///< times listed_sum_us()

@@ -192,7 +192,8 @@ type = "sines"
 shape = "exponential"
 sharpness = 1.2
 length_m = 256.0
-count = 5
+count = 20
+wavenumber_ratio = 1.05
 amplitude_m = 0.6
 wavelength_m = 85.0
 from_deg = 250
@@ -214,7 +215,7 @@ size = 64
     put(costs, *values);
     const sea::DirectSum sum(sines);
     const WavePrices prices(*values, RebuiltSea(sines, *values, {}));
-    EXPECT_GT(prices.keyframe_us(0), 64 * 64 * (map_point_us + 4.9 * map_plane_wave_us));
+    EXPECT_GT(prices.keyframe_us(0), 64 * 64 * (map_point_us + 19.9 * map_shaped_wave_us));
     WaveMaps maps(values, std::make_shared<const RebuiltSea>(sines, *values, RebuiltError{}));
     const auto asked = points(200, 12'345'678);
     std::vector<sea::Answer> answers(asked.size());
@@ -228,7 +229,7 @@ size = 64
         EXPECT_LE(std::abs(answers[i].height_m - is.height_m), answers[i].error_m);
         largest_m = std::max(largest_m, std::abs(is.height_m));
     }
-    EXPECT_GT(largest_m, 0.2);
+    EXPECT_GT(largest_m, 0.1);
 }
 
 class WavePricesOf : public WaveMapsOf {
@@ -245,6 +246,16 @@ TEST_F(WavePricesOf, sums_that_pay_for_nothing_pay_for_the_time_that_follows_and
     EXPECT_TRUE(prices.pay(next, one, 1000)) << "time runs from one to the other";
     EXPECT_FALSE(prices.pay(next, one, 1000)) << "once";
     EXPECT_FALSE(prices.pay(cell, one, 1000));
+}
+
+TEST_F(WavePricesOf, sums_of_few_waves_pay_for_no_keyframe) {
+    auto few = std::make_shared<sea::Realization>(*waves);
+    for (sea::CascadeModes& modes : few->cascades)
+        for (std::size_t i = 0; i < modes.h0.size(); ++i)
+            modes.h0[i] *= i < 10 ? 1.0 : 0.0;
+    WavePrices of_few(*state, RebuiltSea(few, *state, {}));
+    of_few.summed(cell, {}, 1e9);
+    EXPECT_FALSE(of_few.pay(cell, {}, 1)) << "a point from maps takes longer than such a sum";
 }
 
 TEST_F(WavePricesOf, sums_and_keyframes_follow_what_they_take) {
