@@ -25,7 +25,7 @@
  *     seaway_sample(client, points, hull.vertex_count, answers);         // of all hulls at once
  *     seaway_hull_step(&hull, &body, points, answers, 1.0 / 60);
  *
- * or one, for one hull: seaway_hull_ride. Between samples the water moves on by its own velocity and slope. A step divides
+ * (seaway_sample_as of seaway_engine.h leaves out waves that are too short for the hull) or one, for one hull: seaway_hull_ride. Between samples the water moves on by its own velocity and slope. A step divides
  * itself as finely as the hull is stiff, and drag is taken implicitly: no step makes it unstable, in a hurricane neither.
  *
  * Cost: some 0.1 us a panel and part of a step, besides the samples. Nothing is allocated; pure, so safe from any
