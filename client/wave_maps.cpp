@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/thread_time.h"
-
 #include "sea/surface/map_error.h"
 
 namespace seaway::client {
@@ -48,6 +47,11 @@ WaveMaps::Pairs WaveMaps::around(TimeUs time_us, std::uint32_t cascades) const {
     return needed;
 }
 
+bool WaveMaps::are_held(TimeUs time_us, std::uint32_t cascades) const {
+    return std::ranges::all_of(around(time_us, cascades),
+                               [this](const Needed& one) { return held(one) != nullptr; });
+}
+
 double WaveMaps::missing_us(TimeUs time_us, std::uint32_t cascades) const {
     double us = 0;
     for (const Needed& one : around(time_us, cascades))
@@ -58,8 +62,9 @@ double WaveMaps::missing_us(TimeUs time_us, std::uint32_t cascades) const {
 bool WaveMaps::is_worth(const WaveBatch& batch) {
     if (!(batch.cascades & 1u) || cannot_be_made_)
         return false;
-    const double cost_us = missing_us(batch.time_us, batch.cascades);
-    return cost_us == 0 || prices_.pay(cell_span(*state_, batch.time_us), batch, cost_us);
+    return are_held(batch.time_us, batch.cascades) ||
+           prices_.pay(cell_span(*state_, batch.time_us), batch,
+                       missing_us(batch.time_us, batch.cascades));
 }
 
 void WaveMaps::summed(const WaveBatch& batch, double took_us) {
@@ -88,7 +93,7 @@ HeldKeyframePtr WaveMaps::make(const Needed& one) {
 }
 
 bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
-    if (missing_us(time_us, cascades) == 0) // another thread has made it
+    if (are_held(time_us, cascades)) // another thread has made it
         return true;
     const Pairs needed = around(time_us, cascades);
     const Pairs elsewhere = around(used_us_, cascades);
@@ -116,7 +121,7 @@ bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
                surface->covers;
     };
     const auto lent = [&] {
-        return missing_us(batch.time_us, batch.cascades) == 0 &&
+        return are_held(batch.time_us, batch.cascades) &&
                surfaces_.lend(state_, ring_, batch.time_us, sea::surface_fields, surface,
                               batch.cascades) &&
                surface->covers;
@@ -133,7 +138,7 @@ bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
 }
 
 std::optional<LocalSurface> WaveMaps::held_surface(TimeUs time_us, std::uint32_t cascades) {
-    if (missing_us(time_us, cascades) > 0)
+    if (!are_held(time_us, cascades))
         return std::nullopt;
     Result<LocalSurface> held =
         local_surface(*state_, ring_, time_us, sea::surface_fields, cascades);

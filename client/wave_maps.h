@@ -60,6 +60,8 @@ class WaveMaps {
 
     Pairs around(sea::TimeUs time_us, std::uint32_t cascades) const;
     HeldKeyframePtr held(const Needed& one) const; ///< or null
+    /// All around this time?
+    bool are_held(sea::TimeUs time_us, std::uint32_t cascades) const;
     /// What making takes that is not held around this time.
     double missing_us(sea::TimeUs time_us, std::uint32_t cascades) const;
     /// Is all there, or to be made for this?
