@@ -258,7 +258,7 @@ enum {
 
 /* What answers, where a client has waves. Points are summed of them, some 60 us each of a gale and more where it is steep, until that
  * has taken as long as keyframes of their time would, which are then made of the waves by who asks: two a cascade at first, 20 ms
- * of a gale of 256 x 256, later one an interval, 3 to 5 ms; who asks meanwhile on another thread is summed for. From these many points at
+ * of a gale of 256 x 256, later one an interval, 3 to 5 ms; who asks meanwhile on another thread is summed for, or waits where that is less. From these many points at
  * once take 0.5 to 1 us each in gentle seas, one alone some, and error_m has what keyframes add to it. So what is asked about over
  * and over takes about twice what the cheaper way would, at most, and the water moves from one to the other within error_m. */
 enum {

@@ -63,8 +63,8 @@ bool WaveMaps::is_worth(const WaveBatch& batch) {
     if (!(batch.cascades & 1u) || cannot_be_made_)
         return false;
     return are_held(batch.time_us, batch.cascades) ||
-           prices_.pay(cell_span(*state_, batch.time_us), batch,
-                       missing_us(batch.time_us, batch.cascades));
+           prices_.pays(cell_span(*state_, batch.time_us), batch,
+                        missing_us(batch.time_us, batch.cascades));
 }
 
 void WaveMaps::summed(const WaveBatch& batch, double took_us) {
@@ -111,7 +111,14 @@ bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
             ring_.insert(std::move(made));
         }
     surfaces_.follow(ring_);
+    prices_.spend(cell_span(*state_, time_us));
     return true;
+}
+
+std::unique_lock<std::mutex> WaveMaps::turn_to_make(const WaveBatch& batch) {
+    if (prices_.sum_us(batch) > 2 * missing_us(batch.time_us, batch.cascades))
+        return std::unique_lock(making_); // who is at it may take as long
+    return std::unique_lock(making_, std::try_to_lock);
 }
 
 bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
@@ -127,7 +134,7 @@ bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
                surface->covers;
     };
     const auto made = [&] {
-        const std::unique_lock making(making_, std::try_to_lock);
+        const std::unique_lock making = turn_to_make(batch);
         return making.owns_lock() && make_what_lacks(batch.time_us, batch.cascades) && lent();
     };
     const bool felt = batch.cascades & 1u;
@@ -153,7 +160,7 @@ std::optional<LocalSurface> WaveMaps::surface(const WaveBatch& batch) {
         return std::nullopt;
     if (auto held = held_surface(batch.time_us, batch.cascades))
         return held;
-    const std::unique_lock making(making_, std::try_to_lock);
+    const std::unique_lock making = turn_to_make(batch);
     if (!making.owns_lock() || !make_what_lacks(batch.time_us, batch.cascades))
         return std::nullopt;
     return held_surface(batch.time_us, batch.cascades);

@@ -4,7 +4,7 @@
 // milliseconds, once. So points are summed until keyframes of their time pay (wave_prices.h), and those are made then.
 //
 // What answers from maps are off by is what the sea states of its interpolation, and what its waves are off by
-// (RebuiltError). Thread-safe. One thread at a time makes keyframes; who would wait for it sums meanwhile. Memory: four
+// (RebuiltError). Thread-safe. One thread at a time makes keyframes; who would wait for it for longer than sums take sums meanwhile. Memory: four
 // keyframes a cascade, 2.4 MB each at 256 x 256 and 38 at 1024 x 1024, and a third of that for the waves; nothing before the first are made.
 #pragma once
 
@@ -67,6 +67,8 @@ class WaveMaps {
     /// Is all there, or to be made for this?
     bool is_worth(const WaveBatch& batch);
     /// With all that it needs: nothing without.
+    /// Not held where another thread makes some, and summing takes less than to wait for it.
+    std::unique_lock<std::mutex> turn_to_make(const WaveBatch& batch);
     std::optional<LocalSurface> held_surface(sea::TimeUs time_us, std::uint32_t cascades);
     // making_ held.
     bool make_what_lacks(sea::TimeUs time_us, std::uint32_t cascades); ///< false: it cannot

@@ -73,18 +73,19 @@ void WavePrices::summed(const TimeSpan& cell, const WaveBatch& batch, double too
     const std::scoped_lock lock(mutex_);
     account_of(cell).paid_us += took_us;
     if (const double listed_us = listed_sum_us(batch); listed_us > 0)
-        sums_take_ = learnt(sums_take_, took_us / listed_us);
+        sums_take_ = std::max(learnt(sums_take_, took_us / listed_us), sums_take_min);
 }
 
-bool WavePrices::pay(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us) {
+bool WavePrices::pays(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us) {
     const std::scoped_lock lock(mutex_);
     if (listed_point_us(batch.cascades) < sampled_point_us)
         return false;
-    Account& account = account_of(cell);
-    if (account.paid_us + sums_take_ * listed_sum_us(batch) < keyframes_us)
-        return false;
-    account.paid_us = 0;
-    return true;
+    return account_of(cell).paid_us + sums_take_ * listed_sum_us(batch) >= keyframes_us;
+}
+
+void WavePrices::spend(const TimeSpan& cell) {
+    const std::scoped_lock lock(mutex_);
+    account_of(cell).paid_us = 0;
 }
 
 WavePrices::Account& WavePrices::account_of(const TimeSpan& cell) {

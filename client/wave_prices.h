@@ -53,8 +53,10 @@ class WavePrices {
     void made(int cascade, double took_us);
     /// Points were summed whose keyframes are those of `cell`.
     void summed(const TimeSpan& cell, const WaveBatch& batch, double took_us);
-    /// Have sums of this cell, with these, paid for keyframes? Then they begin anew.
-    bool pay(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us);
+    /// Have sums of this cell, with these, paid for keyframes?
+    bool pays(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us);
+    /// They have been made.
+    void spend(const TimeSpan& cell);
 
   private:
     struct Account {
@@ -75,6 +77,8 @@ class WavePrices {
     mutable std::mutex mutex_;
     std::vector<Cascade> cascades_;
     double sums_take_ = 1; ///< times listed_sum_us()
+    /// Places that are no numbers, and times whose waves are laid out already, take next to nothing: others do not.
+    static constexpr double sums_take_min = 0.5;
     std::array<Account, 8> accounts_;
     std::uint64_t uses_ = 0;
 };

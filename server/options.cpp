@@ -181,7 +181,7 @@ std::variant<Options, int> read_options(int argc, char** argv) {
         "Prints `ready ws://ADDR:PORT` when it serves. SIGTERM and SIGINT stop it; SIGHUP reads "
         "tokens and certificate again.\n"
         "Exit codes: 0 asked to stop, 2 usage, bad scene or journal, 3 no usable device, 4 cannot "
-        "listen, 5 NATS cannot be reached.");
+        "listen, 5 NATS cannot be reached, or the journal's disk is full.");
     const Result<CommandLine::Next> next = line.read(argc, argv);
     options.config = line.given_file_of_options();
     const bool lacks_scene = options.scene.empty() && options.device != "list";

@@ -109,7 +109,7 @@ void ServedWebSocket::Impl::on_quiet() {
         heard = Clock::now(); // nobody listens
     // Nor did a process that stood still, or its machine: what was sent meanwhile is still to be read.
     if (const auto late = Clock::now() - timer.expiry(); late > options.idle_patience / 4)
-        heard += late;
+        heard = std::min(heard + late, Clock::now());
     const auto quiet = Clock::now() - heard;
     if (quiet >= options.idle_patience) {
         silent = true;

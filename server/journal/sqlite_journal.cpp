@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "base/disk_room.h"
 #include "base/text_file.h"
 #include "server/journal/change_text.h"
 
@@ -18,7 +19,6 @@ namespace {
 /// "Seaw", in the header of the file (sqlite.org/fileformat2.html, offset 68).
 constexpr std::int32_t application_id = 0x53656177;
 constexpr std::int32_t version = 1;
-constexpr std::uintmax_t page_bytes = 4096;
 constexpr int busy_wait_ms = 5000; ///< for who looks at the file with another program
 
 constexpr const char* layout = R"(
@@ -162,16 +162,24 @@ Error SqliteJournal::wrong(const std::string& why) const {
 Error SqliteJournal::not_opened(const Error& why, const std::string& what) const {
     Error error = wrong(what + why.message);
     error.kind = why.kind;
-    std::error_code unknown;
-    const auto room = std::filesystem::space(std::filesystem::path(path_).parent_path(), unknown);
-    if (why.is(JournalError::unreachable) && !unknown && room.available < page_bytes)
-        error.message += "; the disk is full";
     return error;
 }
 
 Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& folder,
                                                            const Beginning& beginning,
                                                            const std::string& option) {
+    auto opened = try_open(folder, beginning, option);
+    if (opened || !is_disk_full(folder))
+        return opened;
+    Error error = opened.error();
+    error.kind = JournalError::unreachable;
+    error.message += "; the disk is full";
+    return error;
+}
+
+Result<std::unique_ptr<SqliteJournal>> SqliteJournal::try_open(const std::string& folder,
+                                                               const Beginning& beginning,
+                                                               const std::string& option) {
     const auto named = [&folder, &option](const Error& why) {
         return Error{fmt::format("{} {}: {}", option, folder, why.message)};
     };

@@ -56,6 +56,8 @@ class SqliteJournal final : public Journal {
     Error wrong(const std::string& why) const;
     /// With the kind of `why`.
     Error not_opened(const Error& why, const std::string& what = {}) const;
+    static Result<std::unique_ptr<SqliteJournal>>
+    try_open(const std::string& folder, const Beginning& beginning, const std::string& option);
     Error undone(Error why);
 
     FolderLock lock_;

@@ -241,11 +241,21 @@ class WavePricesOf : public WaveMapsOf {
 TEST_F(WavePricesOf, sums_that_pay_for_nothing_pay_for_the_time_that_follows_and_for_no_other) {
     const WaveBatch one;
     prices.summed(cell, one, 1000);
-    EXPECT_FALSE(prices.pay(far, one, 1000));
-    EXPECT_FALSE(prices.pay(next, one, 1200)) << "one more point is no 200 us";
-    EXPECT_TRUE(prices.pay(next, one, 1000)) << "time runs from one to the other";
-    EXPECT_FALSE(prices.pay(next, one, 1000)) << "once";
-    EXPECT_FALSE(prices.pay(cell, one, 1000));
+    EXPECT_FALSE(prices.pays(far, one, 1000));
+    EXPECT_FALSE(prices.pays(next, one, 1200)) << "one more point is no 200 us";
+    EXPECT_TRUE(prices.pays(next, one, 1000)) << "time runs from one to the other";
+    prices.spend(next);
+    EXPECT_FALSE(prices.pays(next, one, 1000)) << "once";
+    EXPECT_FALSE(prices.pays(cell, one, 1000));
+}
+
+// Places that are no numbers, and a time of a glide that is asked about again, take next to nothing.
+TEST_F(WavePricesOf, sums_that_cost_nothing_do_not_make_all_sums_cheap) {
+    const WaveBatch one;
+    const double before_us = prices.sum_us(one);
+    for (int i = 0; i < 10'000; ++i)
+        prices.summed(far, one, 0);
+    EXPECT_GT(prices.sum_us(one), 0.49 * before_us);
 }
 
 TEST_F(WavePricesOf, sums_of_few_waves_pay_for_no_keyframe) {
@@ -255,7 +265,7 @@ TEST_F(WavePricesOf, sums_of_few_waves_pay_for_no_keyframe) {
             modes.h0[i] *= i < 10 ? 1.0 : 0.0;
     WavePrices of_few(*state, RebuiltSea(few, *state, {}));
     of_few.summed(cell, {}, 1e9);
-    EXPECT_FALSE(of_few.pay(cell, {}, 1)) << "a point from maps takes longer than such a sum";
+    EXPECT_FALSE(of_few.pays(cell, {}, 1)) << "a point from maps takes longer than such a sum";
 }
 
 TEST_F(WavePricesOf, sums_and_keyframes_follow_what_they_take) {
@@ -429,7 +439,7 @@ TEST_F(WaveMapsOf, a_sea_answer_many_threads_each_at_its_own_time) {
     for (std::thread& thread : threads)
         thread.join();
     EXPECT_EQ(wrong, 0);
-    EXPECT_GT(lent, 0) << "who finds others making them sums meanwhile";
+    EXPECT_EQ(lent, 6 * 20) << "so many points wait for who makes others";
 }
 
 } // namespace

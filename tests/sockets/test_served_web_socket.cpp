@@ -261,6 +261,19 @@ TEST_F(ServedWebSocketTest, who_was_not_heard_because_the_process_stood_still_is
     EXPECT_TRUE(end->is(WebSocketEnd::silent)) << "and who stays silent is given up as before";
 }
 
+// Naive: it is taken to be heard later than now, and when the timer looks next all of its patience is over.
+TEST_F(ServedWebSocketTest, who_speaks_behind_a_standstill_is_pinged_before_it_is_given_up) {
+    accept(std::chrono::milliseconds(400));
+    read_all();
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    say(client_frame(FrameBytes{'a'}));
+    run_until([&] { return !heard.empty(); });
+    say(client_frame(FrameBytes{'b'}));
+    run_until([&] { return !answer.empty() || end; });
+    EXPECT_FALSE(end);
+    EXPECT_EQ(answer, std::string("\x89\x00", 2)) << "a ping";
+}
+
 TEST_F(ServedWebSocketTest, who_is_not_listened_to_is_not_silent) {
     accept(std::chrono::milliseconds(100));
     pair->io.restart();
