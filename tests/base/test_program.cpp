@@ -5,7 +5,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <thread>
 
 #include <fcntl.h>
@@ -23,7 +22,7 @@ TEST(StopWanted, is_noted_and_the_same_one_that_comes_twice_is_one) {
             const bool before = stop_wanted();
             std::raise(SIGTERM);
             std::raise(SIGTERM); // as `timeout` sends it
-            std::exit(!before && stop_wanted() ? 7 : 8);
+            _exit(!before && stop_wanted() ? 7 : 8);
         },
         ::testing::ExitedWithCode(7), "");
 }
@@ -35,7 +34,7 @@ TEST(StopWanted, of_somebody_who_will_not_wait_ends_the_program_at_once) {
             std::raise(SIGTERM);
             std::this_thread::sleep_for(std::chrono::milliseconds(1100));
             std::raise(SIGINT);
-            std::exit(8);
+            _exit(8);
         },
         ::testing::KilledBySignal(SIGINT), "");
 }
