@@ -13,7 +13,7 @@ mkdir -p "$work_dir"
 cd "$source_dir"
 # Rooms as a whole: a file that realisation comes to need is in the list by itself. As one source, since most of the time
 # goes to headers that all of them read.
-sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp base/instructions.cpp base/messages.cpp base/text_file.cpp
+sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp base/instructions.cpp base/messages.cpp base/standard_files.cpp base/text_file.cpp
   $(ls sea/basics/*.cpp sea/spectrum/*.cpp sea/waves/*.cpp)"
 for source in $sources; do printf '#include "%s"\n' "$source"; done >"$work_dir/all.cpp"
 printf 'as built %s' "$hashes"
