@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/standard_files.h"
 
+#include <initializer_list>
+
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -22,6 +22,7 @@
 #include "sea/certificate/certificate.h"
 #include "server/device/device_choice.h"
 #include "tools/bake/bake.h"
+#include "tools/bake/tile_files.h"
 
 namespace {
 
