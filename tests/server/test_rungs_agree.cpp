@@ -114,8 +114,9 @@ TEST_F(RungsAgree, who_has_waves_sums_few_points_and_makes_maps_for_many_within_
     for (const std::uint32_t from : {SEAWAY_FROM_SPECTRUM, SEAWAY_FROM_PARAMETERS}) {
         Sea& sea = *seas[from];
         const std::vector<seaway_answer> truth = summed(sea, many);
+        const std::vector<seaway_answer> first = sea.sample(few);
         for (std::size_t i = 0; i < few.size(); ++i)
-            EXPECT_EQ(sea.sample(few)[i].height_m, truth[i].height_m) << "to the bit: a sum itself";
+            EXPECT_EQ(first[i].height_m, truth[i].height_m) << "to the bit: a sum itself";
         const std::vector<seaway_answer> answers = sea.sample(many);
         int maps = 0;
         for (std::size_t i = 0; i < many.size(); ++i) {
