@@ -95,6 +95,8 @@ TEST_F(WaveMapsOf, a_sea_answer_within_their_bounds_of_the_exact_sum_at_any_time
             largest_m = std::max(largest_m, std::abs(is.height_m));
         }
     }
+    EXPECT_EQ(maps.made(), 11 * cascades)
+        << "one before 0, where 0 is held, and two of each other time";
     EXPECT_LE(worst_bound_m, 0.02) << "the scene's error is 0.01, on a slope";
     EXPECT_GT(largest_m, 0.5) << "a sea of Hs above 1 m";
 }
