@@ -107,9 +107,11 @@ void ServedWebSocket::Impl::on_quiet() {
         return; // the timer is leave()'s, and this call of it was on its way before
     if (!receiving)
         heard = Clock::now(); // nobody listens
-    // Nor did a process that stood still, or its machine: what was sent meanwhile is still to be read.
-    if (const auto late = Clock::now() - timer.expiry(); late > options.idle_patience / 4)
-        heard = std::min(heard + late, Clock::now());
+    // Nor did a process that stood still, or its machine, who knows since when: the peer is asked anew.
+    if (Clock::now() - timer.expiry() > options.idle_patience / 4) {
+        heard = std::max(heard, Clock::now() - options.idle_patience / 2);
+        pinged = false;
+    }
     const auto quiet = Clock::now() - heard;
     if (quiet >= options.idle_patience) {
         silent = true;
