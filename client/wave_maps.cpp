@@ -137,8 +137,7 @@ bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
         const std::unique_lock making = turn_to_make(batch);
         return making.owns_lock() && make_what_lacks(batch.time_us, batch.cascades) && lent();
     };
-    const bool felt = batch.cascades & 1u;
-    if (!felt || !(found() || (is_worth(batch) && (lent() || made()))))
+    if (!found() && !(is_worth(batch) && (lent() || made())))
         return false;
     used_us_ = batch.time_us;
     return true;

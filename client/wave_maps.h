@@ -66,9 +66,9 @@ class WaveMaps {
     double missing_us(sea::TimeUs time_us, std::uint32_t cascades) const;
     /// Is all there, or to be made for this?
     bool is_worth(const WaveBatch& batch);
-    /// With all that it needs: nothing without.
     /// Not held where another thread makes some, and summing takes less than to wait for it.
     std::unique_lock<std::mutex> turn_to_make(const WaveBatch& batch);
+    /// With all that it needs; nothing without.
     std::optional<LocalSurface> held_surface(sea::TimeUs time_us, std::uint32_t cascades);
     // making_ held.
     bool make_what_lacks(sea::TimeUs time_us, std::uint32_t cascades); ///< false: it cannot
