@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/rebuilt/wave_keyframes.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "sea/surface/maps/sine_maps.h"
@@ -9,7 +8,6 @@
 
 namespace seaway::client {
 
-using sea::Field;
 using sea::FieldSet;
 
 namespace {
@@ -70,22 +68,17 @@ bool WaveKeyframes::put_steady(sea::Keyframe& keyframe) {
     return put_maps(*steady_, transform ? &*transform : nullptr, keyframe);
 }
 
-bool WaveKeyframes::add_growth(const sea::Realization& growth, float rate_hz, FieldSet values,
-                               sea::Keyframe& keyframe) {
-    constexpr std::pair<Field, Field> rates[] = {
-        {Field::height, Field::height_rate},
-        {Field::displacement_x, Field::displacement_x_rate},
-        {Field::displacement_y, Field::displacement_y_rate}};
+bool WaveKeyframes::add_growth(const sea::SeaTransition& change, const sea::Realization& growth,
+                               FieldSet values, sea::Keyframe& keyframe) {
     sea::Keyframe grown =
         without_values(keyframe.epoch, keyframe.cascade, keyframe.time_us,
                        {.length_m = keyframe.length_m, .size = keyframe.size}, values);
     if (!put_maps(growth, nullptr, grown))
         return false;
-    for (const auto& [value, rate] : rates)
+    for (const auto& [value, rate] : sea::rate_table)
         if (values.contains(value))
-            std::ranges::transform(keyframe.plane(rate), std::as_const(grown).plane(value),
-                                   keyframe.plane(rate).begin(),
-                                   [rate_hz](float a, float b) { return a + rate_hz * b; });
+            change.add_growth(keyframe.plane(rate), std::as_const(grown).plane(value),
+                              keyframe.time_us);
     return true;
 }
 
@@ -94,17 +87,13 @@ bool WaveKeyframes::put_gliding(const sea::SeaTransition& change, sea::Keyframe&
     const sea::TimeUs time_us = keyframe.time_us;
     if (!put_maps(*change.gliding(time_us, cascade), nullptr, keyframe))
         return false;
-    const auto rate_hz =
-        static_cast<float>(sea::glide_rate(time_us, change.start_us(), change.end_us()));
-    if (rate_hz == 0)
+    if (sea::glide_rate(time_us, change.start_us(), change.end_us()) == 0)
         return true;
-    constexpr FieldSet height{Field::height};
-    constexpr FieldSet sideways{Field::displacement_x, Field::displacement_y};
-    const sea::RealizationPtr growth = change.growth(time_us, cascade);
-    if (!change.changes_depth())
-        return add_growth(*growth, rate_hz, height | sideways, keyframe);
-    return add_growth(*growth, rate_hz, height, keyframe) &&
-           add_growth(*change.displacement_growth(time_us, cascade), rate_hz, sideways, keyframe);
+    if (!add_growth(change, *change.growth(time_us, cascade), change.grown(), keyframe))
+        return false;
+    const FieldSet otherwise = change.grown_otherwise();
+    return otherwise.empty() ||
+           add_growth(change, *change.displacement_growth(time_us, cascade), otherwise, keyframe);
 }
 
 std::optional<sea::Keyframe> WaveKeyframes::make(std::uint32_t epoch, int cascade,

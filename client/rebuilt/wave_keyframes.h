@@ -30,8 +30,8 @@ class WaveKeyframes {
                   sea::Keyframe& keyframe);
     bool put_steady(sea::Keyframe& keyframe);
     bool put_gliding(const sea::SeaTransition& change, sea::Keyframe& keyframe);
-    bool add_growth(const sea::Realization& growth, float rate_hz, sea::FieldSet values,
-                    sea::Keyframe& keyframe);
+    bool add_growth(const sea::SeaTransition& change, const sea::Realization& growth,
+                    sea::FieldSet values, sea::Keyframe& keyframe);
 
     const OwnSeaPtr waves_;
     sea::RealizationPtr steady_; ///< with the next

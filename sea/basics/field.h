@@ -194,10 +194,29 @@ inline constexpr int linear_field_count = linear_fields.size();
 /// What the Jacobian is made of, and what foam looks at.
 inline constexpr FieldSet strain_fields{Field::strain_xx, Field::strain_yy, Field::strain_xy};
 
+/// Maps whose time rates are maps, too.
+struct ValueAndRate {
+    Field value;
+    Field rate;
+};
+inline constexpr std::array rate_table{
+    ValueAndRate{Field::height, Field::height_rate},
+    ValueAndRate{Field::displacement_x, Field::displacement_x_rate},
+    ValueAndRate{Field::displacement_y, Field::displacement_y_rate}};
+
 /// What a sampler needs for heights in time with choppy displacement (sea/surface).
 inline constexpr FieldSet surface_fields{
     Field::height,      Field::displacement_x,      Field::displacement_y,
     Field::height_rate, Field::displacement_x_rate, Field::displacement_y_rate};
+
+/// The maps whose rates these are.
+inline constexpr FieldSet values_of_rates(FieldSet rates) {
+    FieldSet values;
+    for (const auto& [value, rate] : rate_table)
+        if (rates.contains(rate))
+            values.insert(value);
+    return values;
+}
 
 /// What follows, wave by wave, from a map of this field alone: displacements from heights, their rates from its rate.
 inline constexpr FieldSet following(Field field) {

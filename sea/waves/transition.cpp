@@ -272,6 +272,21 @@ bool SeaTransition::changes_depth() const {
     return !std::ranges::equal(fading_->cascades, growing_->cascades, {}, depth_m, depth_m);
 }
 
+FieldSet SeaTransition::grown() const {
+    return values_of_rates(surface_fields).without(grown_otherwise());
+}
+
+FieldSet SeaTransition::grown_otherwise() const {
+    return changes_depth() ? following(Field::height) : FieldSet{};
+}
+
+void SeaTransition::add_growth(std::span<float> rate, std::span<const float> grown,
+                               TimeUs time_us) const {
+    const auto rate_hz = static_cast<float>(glide_rate(time_us, start_us_, end_us_));
+    std::ranges::transform(rate, grown, rate.begin(),
+                           [rate_hz](float a, float b) { return a + rate_hz * b; });
+}
+
 RealizationPtr SeaTransition::displacement_growth(TimeUs time_us, std::uint32_t cascades) const {
     const RealizationPtr waves = gliding(time_us, cascades);
     auto sea = std::make_shared<Realization>(*growth(time_us, cascades));

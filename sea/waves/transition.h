@@ -17,7 +17,10 @@
 // Immutable; thread-safe.
 #pragma once
 
+#include <span>
+
 #include "base/result.h"
+#include "sea/basics/field.h"
 #include "sea/basics/glide.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/reference.h"
@@ -55,7 +58,12 @@ class SeaTransition {
     /// growth() for displacements, where the depth glides too: a wave of one height moves water further sideways as it
     /// becomes shallower.
     RealizationPtr displacement_growth(TimeUs time_us, std::uint32_t cascades = all_cascades) const;
-    bool changes_depth() const;
+
+    /// Whose maps' rates gain by growth(), and whose by displacement_growth(): nobody's where the depth stays.
+    FieldSet grown() const;
+    FieldSet grown_otherwise() const;
+    /// rate += glide_rate() grown: onto a map of rates, from one of what its values grow by.
+    void add_growth(std::span<float> rate, std::span<const float> grown, TimeUs time_us) const;
 
     /// A sea none of whose waves is ever smaller than in the glide, with the larger choppiness and in the shallower
     /// water: what is bounded for it is bounded for gliding() at every time.
@@ -69,6 +77,7 @@ class SeaTransition {
 
   private:
     SeaTransition() = default;
+    bool changes_depth() const;
 
     RealizationPtr from_;
     // With the frequencies of the new sea and no loop, phases continuous at the start:

@@ -2,33 +2,11 @@
 #include "server/simulation/course_synthesis.h"
 
 #include <algorithm>
-#include <array>
+#include <utility>
 
 namespace seaway::server {
 
-using sea::Field;
 using sea::FieldSet;
-
-namespace {
-
-struct Rate {
-    Field rate;
-    Field value;
-};
-constexpr std::array<Rate, 3> rates{{{Field::height_rate, Field::height},
-                                     {Field::displacement_x_rate, Field::displacement_x},
-                                     {Field::displacement_y_rate, Field::displacement_y}}};
-
-/// The maps whose rates these are.
-FieldSet values_of_rates(FieldSet fields) {
-    FieldSet values;
-    for (const Rate& one : rates)
-        if (fields.contains(one.rate))
-            values |= FieldSet{one.value};
-    return values;
-}
-
-} // namespace
 
 CourseSynthesis::Held CourseSynthesis::sea_of(const KeyframeRequest& request) const {
     const RunningSeaPtr sea = course_->sea(request.epoch);
@@ -105,14 +83,12 @@ CourseSynthesis::of_one_sea(const Held& sea, std::span<const KeyframeRequest> re
 
 Result<void> CourseSynthesis::add_growth(const Held& sea, std::span<const KeyframeRequest> requests,
                                          std::span<const NewKeyframePtr> keyframes) {
-    constexpr FieldSet sideways{Field::displacement_x, Field::displacement_y};
-    const FieldSet all = sideways | FieldSet{Field::height};
+    const RunningSeaPtr glide = course_->sea(sea.epoch);
+    const sea::SeaTransition& change = glide->glide->change;
     const Held growth{sea.epoch, sea.time_us, Part::growth, sea.cascades};
-    if (!course_->sea(sea.epoch)->glide->change.changes_depth())
-        return add_growth_of(all, growth, requests, keyframes);
-    SEAWAY_TRY(add_growth_of(all.without(sideways), growth, requests, keyframes));
+    SEAWAY_TRY(add_growth_of(change.grown(), growth, requests, keyframes));
     const Held further{sea.epoch, sea.time_us, Part::displacement_growth, sea.cascades};
-    return add_growth_of(sideways, further, requests, keyframes);
+    return add_growth_of(change.grown_otherwise(), further, requests, keyframes);
 }
 
 Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
@@ -121,7 +97,8 @@ Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
     std::vector<KeyframeRequest> grown;
     std::vector<NewKeyframePtr> onto;
     for (std::size_t i = 0; i < requests.size(); ++i)
-        if (const FieldSet values = values_of_rates(requests[i].fields) & maps; !values.empty()) {
+        if (const FieldSet values = sea::values_of_rates(requests[i].fields) & maps;
+            !values.empty()) {
             grown.push_back(requests[i]);
             grown.back().fields = values;
             grown.back().foam = nullptr;
@@ -133,18 +110,13 @@ Result<void> CourseSynthesis::add_growth_of(FieldSet maps, const Held& growth,
     SEAWAY_TRY(hold(growth));
     SEAWAY_TRY_LET(const std::vector<NewKeyframePtr> made, device_->synthesize(grown));
     const RunningSeaPtr glide = course_->sea(growth.epoch);
-    const sea::SeaTransition& change = glide->glide->change;
-    const auto rate_hz =
-        static_cast<float>(sea::glide_rate(*growth.time_us, change.start_us(), change.end_us()));
     for (std::size_t i = 0; i < grown.size(); ++i)
-        for (const Rate& one : rates) {
-            if (!grown[i].fields.contains(one.value))
+        for (const auto& [value, rate] : sea::rate_table) {
+            if (!grown[i].fields.contains(value))
                 continue;
-            onto[i]->forget_steps({one.rate});
-            const std::span<float> map = onto[i]->plane(one.rate);
-            const std::span<const float> more = std::as_const(*made[i]).plane(one.value);
-            std::ranges::transform(map, more, map.begin(),
-                                   [rate_hz](float a, float b) { return a + rate_hz * b; });
+            onto[i]->forget_steps({rate});
+            glide->glide->change.add_growth(onto[i]->plane(rate),
+                                            std::as_const(*made[i]).plane(value), *growth.time_us);
         }
     return {};
 }

@@ -82,7 +82,8 @@ TEST(Transition, rates_of_displacements_have_the_glide_of_the_depth_in_them) {
     for (const bool deepens : {false, true}) {
         const auto change = SeaTransition::create(deepens ? shallow_sea : deep_sea,
                                                   deepens ? deep_sea : shallow_sea, 0, 10'000'000);
-        ASSERT_TRUE(change->changes_depth());
+        ASSERT_EQ(change->grown_otherwise(),
+                  (FieldSet{Field::displacement_x, Field::displacement_y}));
         double missed = 0;
         for (const TimeUs t : {1'000'000, 5'000'000, 9'000'000})
             for (const double x : {0.0, 70.0, 333.0}) {
@@ -107,7 +108,10 @@ TEST(Transition, rates_of_displacements_have_the_glide_of_the_depth_in_them) {
             }
         EXPECT_GT(missed, 1e-3) << "else this says nothing";
     }
-    EXPECT_FALSE(SeaTransition::create(deep_sea, deep_sea, 0, 10'000'000)->changes_depth());
+    const auto stays = SeaTransition::create(deep_sea, deep_sea, 0, 10'000'000);
+    EXPECT_TRUE(stays->grown_otherwise().empty());
+    EXPECT_EQ(stays->grown(),
+              (FieldSet{Field::height, Field::displacement_x, Field::displacement_y}));
 }
 
 } // namespace
