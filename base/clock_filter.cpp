@@ -11,12 +11,12 @@
 namespace seaway {
 namespace {
 
-/// A slope needs this much time under it: over less, scatter looks like drift.
-constexpr LocalUs slope_span_us = 10'000'000;
 /// Quartz is better than this; a steeper line is scatter.
 constexpr double slope_max = 500e-6;
-/// The kept share of few samples is at least this many.
-constexpr std::size_t kept_min = 3;
+/// What a clock wanders from its line, as a part (RFC 5905, PHI).
+constexpr double wander = 15e-6;
+/// A slope is believed where it makes more room than its own part of this time: over less, scatter looks like drift.
+constexpr LocalUs settling_us = 2'000'000;
 /// Times are whole microseconds, and so is the middle of a trip.
 constexpr double rounding_us = 1.5;
 
@@ -30,79 +30,84 @@ LocalUs difference(std::int64_t a, std::int64_t b) {
 void ClockFilter::add(LocalUs sent_us, LocalUs received_us, std::int64_t sea_time_us) {
     if (received_us < sent_us)
         return;
-    const LocalUs round_trip_us = received_us - sent_us;
-    const LocalUs middle_us = sent_us + round_trip_us / 2;
-    window_.push_back({middle_us, round_trip_us, difference(sea_time_us, middle_us)});
-    while (window_.size() > samples_max || window_.front().middle_us < middle_us - window_us)
+    const Sample sample{sent_us, received_us - sent_us, difference(sea_time_us, sent_us)};
+    window_.push_back(sample);
+    const LocalUs middle_us = sample.middle_us();
+    while (window_.size() > samples_max || window_.front().middle_us() < middle_us - window_us)
         window_.pop_front();
-    bound();
-    if (at_heard_.least_us > at_heard_.most_us)
+    shown_offset_us_ += static_cast<double>(difference(base_us_, sample.ahead_us));
+    base_us_ = sample.ahead_us;
+    heard();
+    if (at_heard_.least_us > at_heard_.most_us) {
         window_.erase(window_.begin(), std::prev(window_.end()));
-    estimate();
-    bound();
+        heard();
+    }
+    slope_ = slope_of_most_room();
+    middle_us_ = left(slope_, wander).middle_us();
 }
 
-void ClockFilter::bound() {
-    heard_us_ = std::ranges::max_element(window_, {}, &Sample::middle_us)->middle_us;
-    at_heard_ = {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+void ClockFilter::heard() {
+    heard_us_ = std::ranges::max(window_, {}, &Sample::middle_us).middle_us();
+    at_heard_ = left(0, rate_off_max);
+    at_heard_.least_us -= rounding_us;
+    at_heard_.most_us += rounding_us;
+}
+
+ClockFilter::Range ClockFilter::left(double slope, double wander) const {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Range range{-infinity, infinity, heard_us_, heard_us_};
     for (const Sample& sample : window_) {
-        const auto offset_us = static_cast<double>(difference(sample.offset_us, base_us_));
-        // What was said was so somewhere within the trip.
-        const double off_us = rounding_us +
-                              0.5 * (1 + rate_off_max) * static_cast<double>(sample.round_trip_us) +
-                              rate_off_max * static_cast<double>(heard_us_ - sample.middle_us);
-        at_heard_.least_us = std::max(at_heard_.least_us, offset_us - off_us);
-        at_heard_.most_us = std::min(at_heard_.most_us, offset_us + off_us);
+        const auto ahead_us = static_cast<double>(difference(sample.ahead_us, base_us_));
+        const LocalUs received_us = sample.sent_us + sample.round_trip_us;
+        const auto since_sent_us = static_cast<double>(heard_us_ - sample.sent_us);
+        const auto since_received_us = static_cast<double>(heard_us_ - received_us);
+        const double most_us = ahead_us + slope * since_sent_us + wander * std::abs(since_sent_us);
+        const double least_us = ahead_us - static_cast<double>(sample.round_trip_us) +
+                                slope * since_received_us - wander * std::abs(since_received_us);
+        if (most_us < range.most_us) {
+            range.most_us = most_us;
+            range.most_at_us = sample.sent_us;
+        }
+        if (least_us > range.least_us) {
+            range.least_us = least_us;
+            range.least_at_us = received_us;
+        }
     }
+    return range;
+}
+
+/// Room is concave in the slope, and as the slope grows it grows by the time from the look that leaves no more to the one that
+/// leaves no less: halved is where that turns.
+double ClockFilter::slope_of_most_room() const {
+    const auto gained_us = [this](double slope) {
+        const Range range = left(slope, wander);
+        return range.least_at_us - range.most_at_us;
+    };
+    const LocalUs level_us = gained_us(0);
+    if (std::abs(level_us) <= settling_us)
+        return 0;
+    const double sign = level_us > 0 ? 1 : -1;
+    const auto gains_still = [&](double steepness) {
+        return sign * static_cast<double>(gained_us(sign * steepness)) >
+               static_cast<double>(settling_us);
+    };
+    if (gains_still(slope_max))
+        return sign * slope_max;
+    double less = 0, more = slope_max;
+    for (int halvings = 0; halvings < 24; ++halvings) {
+        const double middle = 0.5 * (less + more);
+        (gains_still(middle) ? less : more) = middle;
+    }
+    return sign * less;
 }
 
 ClockFilter::Range ClockFilter::allowed(LocalUs local_us) const {
     const double off_us = rate_off_max * std::abs(static_cast<double>(local_us - heard_us_));
-    return {at_heard_.least_us - off_us, at_heard_.most_us + off_us};
-}
-
-void ClockFilter::estimate() {
-    std::vector<Sample> kept(window_.begin(), window_.end());
-    std::sort(kept.begin(), kept.end(),
-              [](const Sample& a, const Sample& b) { return a.round_trip_us < b.round_trip_us; });
-    const auto share =
-        static_cast<std::size_t>(std::ceil(share_kept * static_cast<double>(kept.size())));
-    kept.resize(std::min(kept.size(), std::max(share, kept_min)));
-    best_round_trip_us_ = kept.front().round_trip_us;
-    // Among few samples one bad trip would weigh a third: with no slope to fit, the best one
-    // counts.
-    const auto [first, last] =
-        std::minmax_element(kept.begin(), kept.end(), [](const Sample& a, const Sample& b) {
-            return a.middle_us < b.middle_us;
-        });
-    const bool fit = last->middle_us - first->middle_us >= slope_span_us;
-    if (!fit)
-        kept.resize(1);
-
-    const LocalUs old_base_us = base_us_;
-    base_us_ = kept.front().offset_us;
-    shown_offset_us_ += static_cast<double>(difference(old_base_us, base_us_));
-    origin_us_ = kept.front().middle_us;
-    const auto count = static_cast<double>(kept.size());
-    double mean_x = 0;
-    double mean_y = 0;
-    for (const Sample& sample : kept) {
-        mean_x += static_cast<double>(sample.middle_us - origin_us_) / count;
-        mean_y += static_cast<double>(sample.offset_us - base_us_) / count;
-    }
-    double xx = 0;
-    double xy = 0;
-    for (const Sample& sample : kept) {
-        const double x = static_cast<double>(sample.middle_us - origin_us_) - mean_x;
-        xx += x * x;
-        xy += x * (static_cast<double>(sample.offset_us - base_us_) - mean_y);
-    }
-    slope_ = fit && xx > 0 ? std::clamp(xy / xx, -slope_max, slope_max) : 0;
-    mean_us_ = mean_y - slope_ * mean_x;
+    return {at_heard_.least_us - off_us, at_heard_.most_us + off_us, heard_us_, heard_us_};
 }
 
 double ClockFilter::target_offset_us(LocalUs local_us) const {
-    const double line_us = mean_us_ + slope_ * static_cast<double>(local_us - origin_us_);
+    const double line_us = middle_us_ + slope_ * static_cast<double>(local_us - heard_us_);
     const Range range = allowed(local_us);
     return std::clamp(line_us, range.least_us, range.most_us);
 }
@@ -141,7 +146,7 @@ ClockStatus ClockFilter::status(LocalUs local_us) const {
     status.offset_us = static_cast<double>(base_us_) + target_us;
     status.drift_ppm = slope_ * 1e6;
     status.slew_us = shown_any_ ? target_us - shown_offset_us_ : 0;
-    status.round_trip_us = best_round_trip_us_;
+    status.round_trip_us = std::ranges::min(window_, {}, &Sample::round_trip_us).round_trip_us;
     const Range range = allowed(local_us);
     status.error_us = std::max(range.most_us - target_us, target_us - range.least_us);
     return status;

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // ClockFilter: the sea time of another process, from questions and answers: of a server on its clients, of its peers on a server.
 //
-// Each answer gives one look at the difference between the other's sea time and the local monotonic
-// clock, wrong by at most half its round trip. Queueing only ever lengthens a trip, so the fifth of
-// the last minute with the shortest trips is kept and a straight line laid through it: offset and
-// drift (measured: 1.1 ms rms over a 40 ms wireless link that queues on one way). No clock runs off faster than `rate_off_max`,
-// so each look also says between what the difference is now; where the line leaves what all of them allow, its end counts.
+// Each answer is a look at the difference between the other's sea time and the local monotonic clock: it was no more than
+// the answer says less when it was asked for, and no less than that less when it came. Queueing only ever lengthens a trip, so
+// over the looks of a minute the least of the one and the most of the other come near the shortest way there and the shortest way
+// back, each by itself, whether or not one question ever had both; the estimate lies in their middle. Between looks the
+// difference is a line, whose slope is the drift: the one that leaves most room between the two (Moon, Skelly and Towsley 1999, "Estimation
+// and removal of clock skew from network delay measurements", take the edge of one of them). A look that is old widens by what a clock wanders from
+// its line (RFC 5905, PHI).
+//
+// No clock runs off faster than `rate_off_max`,
+// so looks also bound what the difference is now; where the line leaves what all of them allow, its end counts.
 // Looks that exclude each other show that a clock was set, or ran off faster: then the last one alone counts.
 // What is shown follows that estimate by slewing, at most half a per cent fast or slow, and never runs backwards.
 //
@@ -14,7 +19,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <vector>
 
 namespace seaway {
 
@@ -36,7 +40,6 @@ class ClockFilter {
   public:
     static constexpr LocalUs window_us = 60'000'000;
     static constexpr std::size_t samples_max = 256;
-    static constexpr double share_kept = 0.2;
     static constexpr double slew_rate = 0.005;
     /// Larger differences are not slewed: forward at once, and after begin_anew() at twice the speed; backward at half of it.
     static constexpr double step_us = 250'000;
@@ -67,30 +70,33 @@ class ClockFilter {
 
   private:
     struct Sample {
-        LocalUs middle_us; ///< local time half way
+        LocalUs sent_us;
         LocalUs round_trip_us;
-        LocalUs offset_us; ///< sea time less local time at the middle
+        LocalUs ahead_us; ///< sea time of the answer less `sent_us`
+        LocalUs middle_us() const { return sent_us + round_trip_us / 2; }
     };
 
-    /// Offsets that looks allow, relative to base_us_.
+    /// Offsets relative to base_us_ that looks leave, and when those were looked that leave no less and no more.
     struct Range {
         double least_us, most_us;
+        LocalUs least_at_us, most_at_us;
+        double middle_us() const { return 0.5 * (least_us + most_us); }
     };
 
-    void estimate();
-    void bound();
+    void heard();
+    /// What all looks of the window leave at heard_us_, of clocks that run apart at `slope`, as a part, and off that by `wander` at most.
+    Range left(double slope, double wander) const;
+    double slope_of_most_room() const;
     Range allowed(LocalUs local_us) const;
     double target_offset_us(LocalUs local_us) const;
 
     std::deque<Sample> window_;
+    LocalUs base_us_ = 0;  ///< near all offsets of the window
     LocalUs heard_us_ = 0; ///< the latest middle
-    Range at_heard_ = {};  ///< what all looks of the window allowed then
-    // Line through the samples kept: offset = base + mean + slope (local - origin).
-    LocalUs origin_us_ = 0;
-    LocalUs base_us_ = 0;
-    double mean_us_ = 0;
+    Range at_heard_ = {};  ///< what all looks of the window allow then
+    // The estimate: base + middle + slope (local - heard).
+    double middle_us_ = 0;
     double slope_ = 0;
-    LocalUs best_round_trip_us_ = 0;
 
     bool anew_ = false; ///< until what is shown is near again
     bool shown_any_ = false;

@@ -12,8 +12,8 @@ namespace seaway::client {
 
 namespace {
 
-/// A burst for a first estimate of the clock; then as many as let the shortest trip of a line that jitters
-/// by 20 ms tell the time to some 2 ms within 5 s (tests/load/load_two_clients.cpp); then two a second until half of the clock's
+/// A burst for a first estimate of the clock; then as many as let the shortest trips of a line that jitters
+/// by 20 ms tell the time to half a millisecond within 5 s (tests/load/load_two_clients.cpp); then two a second until half of the clock's
 /// window is full, and one from there on: who has the waves is sent nothing else.
 constexpr std::uint32_t fast_pings = 8;
 constexpr std::int64_t fast_ping_interval_us = 50'000;
