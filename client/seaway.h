@@ -27,8 +27,8 @@
  * Errors: every function that can fail returns a seaway_code; seaway_last_error() then says why in
  * one line, for the calling thread. Nothing is written to the outputs of a call that failed.
  *
- * A connection that is lost comes back by itself: after waits that grow from 0.5 to 16 s, or for as long as the server
- * asked for, by lot; what was subscribed to is subscribed to again. Meanwhile time goes on, and what is held is sampled:
+ * A connection that is lost comes back by itself: after waits that grow from 0.5 to 16 s, each up to half as long again by lot, or
+ * after as long as the server asked for and some more; what was subscribed to is subscribed to again. Meanwhile time goes on, and what is held is sampled:
  * waves at any time; keyframes up to their end, some tenths of a second on, beyond which the sea stands (seaway_sample) and is
  * flagged SEAWAY_EXTRAPOLATED. Where another sea comes back, as of a server without a journal, nothing is held of it for some tenths of a
  * second: SEAWAY_NOT_HELD. Answers of which the server may know more are flagged SEAWAY_STALE. seaway_get_status and

@@ -17,8 +17,12 @@ using namespace seaway::client;
 
 Result<std::string> run(const CtlOptions& options, int& status_code) {
     if (const auto* wish = std::get_if<StatusWish>(&options.what)) {
-        SEAWAY_TRY_LET(FleetStatus status, fleet_status(options, *wish));
-        status_code = status.all_certain ? exit_done : exit_unsure;
+        FleetStatus status = fleet_status(options, *wish);
+        if (status.none_answers && wish->others.empty())
+            return *std::move(status.none_answers);
+        status_code = status.none_answers  ? exit_code("seaway-ctl", *status.none_answers)
+                      : status.all_certain ? exit_done
+                                           : exit_unsure;
         return std::move(status.table);
     }
     if (const auto* rewind = std::get_if<RewindWish>(&options.what))

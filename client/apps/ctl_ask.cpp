@@ -93,7 +93,7 @@ Result<std::string> changed(Connection& connection, const protocol::ChangeWish& 
                        sea::seconds_from_us(reply.end_us), reply.change);
 }
 
-Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wish) {
+FleetStatus fleet_status(const CtlOptions& options, const StatusWish& wish) {
     std::vector<std::string> urls{options.url};
     urls.insert(urls.end(), wish.others.begin(), wish.others.end());
     FleetStatus status;
@@ -105,14 +105,17 @@ Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wi
     std::vector<std::future<Result<StatusRow>>> rows;
     for (const std::string& url : urls)
         rows.push_back(std::async(std::launch::async, row, std::cref(options), url));
+    std::size_t silent = 0;
     for (std::size_t i = 0; i < urls.size(); ++i) {
         const std::string& url = urls[i];
         const Result<StatusRow> one = rows[i].get();
-        if (!one && urls.size() == 1)
-            return one.error();
+        if (!one && ++silent == 1)
+            status.none_answers = one.error();
         status.table += one ? one->text : fmt::format("{:<30} {}\n", url, one.error().message);
         status.all_certain = status.all_certain && one && one->certain;
     }
+    if (silent < urls.size())
+        status.none_answers.reset();
     return status;
 }
 

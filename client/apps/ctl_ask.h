@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "client/apps/ctl_options.h"
@@ -23,12 +24,13 @@ Result<std::string> changed(Connection& connection, const protocol::ChangeWish& 
 
 struct FleetStatus {
     std::string table;
-    bool all_certain = true; ///< each answers, and is sure of its sea
+    bool all_certain = true;           ///< each answers, and is sure of its sea
+    std::optional<Error> none_answers; ///< why the first does not
 };
 
 /// A row for each server: version, whether it is sure of its sea, changes, clock, sessions. One that does not answer has a row that
-/// says so. An error: none answers.
-Result<FleetStatus> fleet_status(const CtlOptions& options, const StatusWish& wish);
+/// says so.
+FleetStatus fleet_status(const CtlOptions& options, const StatusWish& wish);
 /// Back to the sea of a change: its scene as a change of now.
 Result<std::string> rewound(const CtlOptions& options, const RewindWish& wish);
 /// Heights of two servers at random points around now: difference_of() in client/apps/ctl_diff.h.

@@ -98,6 +98,10 @@ std::string kernel_choices_path() {
                               : std::string();
 }
 
+std::size_t fastest_of(std::span<const double> seconds) {
+    return static_cast<std::size_t>(std::ranges::min_element(seconds) - seconds.begin());
+}
+
 Result<std::vector<KernelChoice>> read_kernel_choices(const std::string& path) {
     std::error_code failed;
     if (!std::filesystem::exists(path, failed) && !failed)

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct KernelChoice {
                band_limited == other.band_limited;
     }
 };
+
+/// Which of these took the least time; of at least one.
+std::size_t fastest_of(std::span<const double> seconds);
 
 /// All that the file holds; nothing where there is none. An error: what is no such file, by the line that says so, or what
 /// cannot be read.

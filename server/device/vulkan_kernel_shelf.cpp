@@ -103,8 +103,7 @@ Result<KernelShelf::Made> KernelShelf::fastest(const KernelChoice& asked, const 
         note("not measured: " + seconds.error().message);
         return Made();
     }
-    const auto best =
-        static_cast<std::size_t>(std::ranges::min_element(*seconds) - seconds->begin());
+    const std::size_t best = fastest_of(*seconds);
     KernelChoice choice = asked;
     choice.design = timed[best]->transform->design;
     choice.seconds = (*seconds)[best];

@@ -3,10 +3,7 @@
 
 #include <array>
 #include <new>
-#include <system_error>
 #include <utility>
-
-#include <fmt/format.h>
 
 namespace seaway::server {
 
@@ -21,17 +18,11 @@ NoBrokenPipes::~NoBrokenPipes() {
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
-Result<void> Senders::start(int threads) {
+void Senders::start(int threads) {
     if (threads <= 1)
-        return {};
+        return;
     const NoBrokenPipes none;
-    try {
-        pool_ = std::make_unique<ThreadPool>(threads);
-    } catch (const std::system_error& error) {
-        return Error{fmt::format("--io-threads {}: the system gives no thread ({})", threads,
-                                 error.code().message())};
-    }
-    return {};
+    pool_ = std::make_unique<ThreadPool>(threads);
 }
 
 bool Senders::later(std::shared_ptr<Sending> one) {

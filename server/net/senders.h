@@ -10,7 +10,6 @@
 #include <memory>
 #include <vector>
 
-#include "base/result.h"
 #include "base/thread_pool.h"
 
 namespace seaway::server {
@@ -44,8 +43,8 @@ class NoBrokenPipes {
 
 class Senders {
   public:
-    /// Threads in all; an error where the system gives none.
-    Result<void> start(int threads);
+    /// Threads in all. Throws std::system_error where the system gives none.
+    void start(int threads);
 
     int threads() const { return pool_ == nullptr ? 1 : pool_->threads(); }
 

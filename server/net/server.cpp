@@ -145,7 +145,7 @@ class NetServer::Impl {
             SEAWAY_TRY(health_.listen("--health-listen", options.health_listen));
             health_.accept();
         }
-        SEAWAY_TRY(core_->senders.start(options.io_threads));
+        core_->senders.start(options.io_threads);
         thread_ = std::thread([this] { serve(); });
         return {};
     }

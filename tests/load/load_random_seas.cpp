@@ -2,7 +2,8 @@
 // The soak of the hard cases: does every answer keep its bound? All scenes of scenes/, forty drawn by lot,
 // odd on purpose, and six at the ends of what there is (random_scenes.h) are served by the real server on
 // each device; points up to 10 000 km out, from 30 000 years back to as many ahead, twice the same among
-// them, are answered by the server, by a client from streamed tiles and by the direct sum in double precision.
+// them, are answered by the server, by a client from tiles that it fetches and by the direct sum in double precision. In every third scene
+// also by a client of the stream around now, whose keyframes are differences to what it predicts, and by one that has the waves.
 //
 //     load_random_seas                        one round: a minute on two cores
 //     load_random_seas --minutes 60           rounds with new scenes for an hour
@@ -24,11 +25,13 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <thread>
 
 #include <fmt/format.h>
 
 #include "base/command_line.h"
 #include "client/client.h"
+#include "client/link/failure.h"
 #include "tests/load/random_scenes.h"
 #include "tests/support/draw.h"
 #include "tests/support/server_process.h"
@@ -70,6 +73,8 @@ struct Scene {
     std::string kind;
     std::string path;
 };
+
+constexpr std::size_t subscribed_every = 3; ///< some seconds each
 
 constexpr std::uint32_t no_promise =
     sea::answer_folded | sea::answer_not_converged | sea::answer_extrapolated;
@@ -156,6 +161,7 @@ class Soak {
                 continue;
             }
             tell_progress(round, i, scenes.size());
+            subscribes_ = (i + round) % subscribed_every == 0;
             const std::uint64_t before = misses_ + failures_;
             // In a round each scene meets one device, each kind of scene all; then it is the other's turn.
             serve(scenes[i], options_.devices[(i + i / 8 + round) % options_.devices.size()], draw);
@@ -195,10 +201,58 @@ class Soak {
                 return fail(scene, "equal points have different answers");
         judge(scene, device, "served", points, *exact, *served);
         judge(scene, device, "local", points, *exact, *local);
+        if (subscribes_) {
+            watch(scene, device, draw, **client);
+            sum_waves(scene, device, connect, points, *exact);
+        }
         client->reset();
         server.send(SIGTERM);
         if (const auto code = server.wait_for_exit(std::chrono::seconds(60)); code != 0)
             fail(scene, fmt::format("exit code {}", code.value_or(-1)));
+    }
+
+    /// What is streamed, around now, while some keyframes of each cascade come: the first whole, differences from then on.
+    void watch(const Scene& scene, const std::string& device, tests::Draw& draw,
+               client::Client& client) {
+        if (const auto granted = client.subscribe({.fields = sea::surface_fields}, 4, 60); !granted)
+            return fail(scene, "stream: " + granted.error().message);
+        std::vector<sea::QueryPoint> points;
+        std::vector<sea::Answer> answers;
+        for (int moment = 0; moment < 2 * options_.times; ++moment) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(200));
+            std::vector<sea::QueryPoint> now;
+            const sea::TimeUs time_us =
+                client.now_us() + std::llround(draw.uniform(-200'000, 50'000));
+            for (int i = 0; i < options_.points; ++i)
+                now.push_back({draw.uniform(-1e4, 1e4), draw.uniform(-1e4, 1e4), time_us});
+            const auto sampled = client.sample(now);
+            if (!sampled)
+                return fail(scene, "stream: " + sampled.error().message);
+            points.insert(points.end(), now.begin(), now.end());
+            answers.insert(answers.end(), sampled->begin(), sampled->end());
+        }
+        const auto exact = client.ask(points, {.exact = true, .timeout_s = 300});
+        if (!exact)
+            return fail(scene, "stream: " + exact.error().message);
+        judge(scene, device, "streamed", points, *exact, answers);
+    }
+
+    /// From the waves; of a sea that has none to send, stylised or too large, that is refused.
+    void sum_waves(const Scene& scene, const std::string& device,
+                   const client::ConnectOptions& connect, std::span<const sea::QueryPoint> points,
+                   std::span<const sea::Answer> exact) {
+        const auto client = client::Client::connect(connect);
+        if (!client)
+            return fail(scene, "waves: " + client.error().message);
+        if (const auto granted = (*client)->subscribe_spectrum({}, 60); !granted) {
+            if (!granted.error().is(client::Failure::refused))
+                fail(scene, "waves: " + granted.error().message);
+            return;
+        }
+        const auto sampled = (*client)->sample(points);
+        if (!sampled)
+            return fail(scene, "waves: " + sampled.error().message);
+        judge(scene, device, "waves", points, exact, *sampled);
     }
 
     static bool equal_where_points_are(std::span<const sea::QueryPoint> points,
@@ -263,7 +317,8 @@ class Soak {
     const Options options_;
     std::map<std::string, Tally> tallies_;
     const Clock::time_point start_ = Clock::now();
-    double told_ = 0; ///< minutes
+    double told_ = 0;         ///< minutes
+    bool subscribes_ = false; ///< in this scene
     std::uint64_t samples_ = 0, misses_ = 0, failures_ = 0;
     std::uint64_t far_ = 0; ///< of the misses, beyond 1.5 times the bound
 };

@@ -277,6 +277,10 @@ TEST(
     EXPECT_TRUE(tests::eventually([&] {
         return server.log().find("event=handing_over sessions=1") != std::string::npos;
     })) << server.log();
+    EXPECT_TRUE(tests::eventually([&] {
+        return client->status().reason.find("the server hands over: ") != std::string::npos;
+    })) << "and its session has ended: "
+        << client->status().reason;
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"},
           {"pause"}}) {
@@ -308,6 +312,9 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     EXPECT_EQ(status.code, 7) << "one does not answer: " << status.words;
     EXPECT_EQ(ctl(at_a, {"status", at_b}).code, 0);
     EXPECT_EQ(ctl("ws://127.0.0.1:1", {"status"}).code, 5) << "nobody answers";
+    const Said nobody = ctl("ws://127.0.0.1:1", {"status", "ws://127.0.0.1:2"});
+    EXPECT_EQ(nobody.code, 5) << "nor does anybody here: " << nobody.words;
+    EXPECT_NE(nobody.words.find("\nws://127.0.0.1:2 "), std::string::npos) << "a row for each";
     std::istringstream lines(status.words);
     std::vector<std::string> rows;
     for (std::string line; std::getline(lines, line);)

@@ -136,10 +136,10 @@ TEST(Threads, a_start_that_gets_too_few_says_so_and_ends_with_exit_code_2) {
         std::vector<std::string> words;
         if (is_root)
             words = {"--ruid=61234", "--bounding-set=-sys_resource,-sys_admin", "prlimit"};
-        words.insert(words.end(),
-                     {"--nproc=" + std::to_string(limit),
-                      std::string(SEAWAY_BIN_DIR) + "/seaway-server", "scenes/calm.toml",
-                      "--device", "native", "--listen", "127.0.0.1:0", "--answer-threads", "2"});
+        words.insert(words.end(), {"--nproc=" + std::to_string(limit),
+                                   std::string(SEAWAY_BIN_DIR) + "/seaway-server",
+                                   "scenes/calm.toml", "--device", "native", "--listen",
+                                   "127.0.0.1:0", "--answer-threads", "2", "--io-threads", "3"});
         tests::ServerProcess server(words, -1, is_root ? "/usr/bin/setpriv" : "/usr/bin/prlimit");
         served = !server.wait_until_ready().empty();
         if (served) {

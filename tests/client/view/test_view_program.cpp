@@ -215,7 +215,8 @@ TEST(ViewProgram, a_bench_says_what_each_pass_takes) {
         if (name == "frame")
             frame_ms = ms;
     }
-    EXPECT_GT(passes_ms, 0);
+    // On a processor drawing is nearly all of a frame; what else is there is little on a GPU, too, but that may be idle in between.
+    EXPECT_GT(passes_ms, 0.02 * frame_ms);
     EXPECT_LT(passes_ms, 2 * frame_ms) << "medians of passes against the mean of frames";
     EXPECT_THAT(outcome.text, testing::HasSubstr("frames/s"));
     for (const std::string_view pass : Renderer::pass_names)

@@ -280,8 +280,20 @@ TEST(HardCase, B7_a_loop_returns_exactly_and_not_before) {
 TEST(HardCase, B8_all_cascades_share_the_loop) {
     SeaState state = windy_sea();
     state.loop_period_s = 120.0;
-    const DirectSum sum(realized(state, three_cascades));
+    const auto sea = realized(state, three_cascades);
+    for (const CascadeModes& modes : sea->cascades) {
+        int turning = 0;
+        for (std::size_t i = 0; i < modes.h0.size(); ++i)
+            if (modes.h0[i] != 0.0) {
+                const double turns = omega_from_rate(modes.rate[i]) * 120.0 / two_pi;
+                ASSERT_NEAR(turns, std::round(turns), 1e-8);
+                turning += turns > 0.5;
+            }
+        EXPECT_GT(turning, 100) << modes.spec.length_m;
+    }
+    const DirectSum sum(sea);
     const TimeUs end = us_from_seconds(120.0);
+    EXPECT_GT(std::abs(sum.at(5, 6, end / 2).height - sum.at(5, 6, 0).height), 0.05);
     const LagrangianPoint before = sum.at(5, 6, end - 1000), after = sum.at(5, 6, end + 1000);
     EXPECT_NEAR(after.height - before.height, 2e-3 * sum.at(5, 6, end).height_rate, 1e-4);
     EXPECT_NEAR(after.height_rate, before.height_rate, 0.1);

@@ -287,7 +287,8 @@ TEST(Noise, closes_a_loop_and_glides_without_a_jump) {
 TEST(Sines, gerstner_waves_close_their_loop_and_without_one_do_not) {
     const std::string waves =
         "shape = \"gerstner\"\nfrom_deg = 270\ncount = 6\namplitude_m = 2\nlength_m = 256\n";
-    const DirectSum looped(sea_of(scene_of_sines(waves, "loop_period_s = 30\n")));
+    const auto sea = sea_of(scene_of_sines(waves, "loop_period_s = 30\n"));
+    const DirectSum looped(sea);
     const DirectSum endless(sea_of(scene_of_sines(waves)));
     const auto far_m = [](const DirectSum& sum, TimeUs t) {
         double far = 0.0;
@@ -304,6 +305,16 @@ TEST(Sines, gerstner_waves_close_their_loop_and_without_one_do_not) {
     for (const TimeUs t_s : {7, 15, 29, 31})
         EXPECT_GT(far_m(looped, t_s * 1'000'000), 0.1) << t_s;
     EXPECT_GT(far_m(endless, 30'000'000), 0.1);
+    // A sum begins its loop anew; the waves themselves have come round by then.
+    int turning = 0;
+    for (const CascadeModes& modes : sea->cascades)
+        for (std::size_t i = 0; i < modes.h0.size(); ++i)
+            if (modes.h0[i] != 0.0) {
+                const double turns = omega_from_rate(modes.rate[i]) * 30.0 / two_pi;
+                EXPECT_NEAR(turns, std::round(turns), 1e-9);
+                turning += turns > 0.5;
+            }
+    EXPECT_GE(turning, 6);
 }
 
 // Each sea takes its phases at the time of its own loop. Naive: at the change the old waves jump to

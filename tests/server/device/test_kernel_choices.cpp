@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which kernels were fastest: measured once, remembered in a file, and nobody stumbles over that file.
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
@@ -31,6 +32,12 @@ KernelChoice some(int size, const std::string& design = "T16") {
 std::string text_of(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(KernelChoices, the_one_that_took_least_time_is_taken) {
+    EXPECT_EQ(fastest_of(std::array{3e-5}), 0u);
+    EXPECT_EQ(fastest_of(std::array{3e-5, 2e-5, 4e-5}), 1u);
+    EXPECT_EQ(fastest_of(std::array{3e-5, 2e-5, 1.9e-5}), 2u);
 }
 
 TEST(KernelChoices, are_read_as_they_were_remembered_and_the_last_of_a_kind_counts) {

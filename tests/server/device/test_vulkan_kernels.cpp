@@ -220,7 +220,7 @@ TEST(Packing, every_field_has_a_map_and_fields_that_differ_by_kx_share_a_source)
 
 // Two rows of a real map are one complex line: N/2 of them lie between the passes, of which a pass may leave four numbers more
 // a row.
-TEST(Packing, two_rows_of_a_real_field_are_one_complex_line) {
+TEST(Packing, what_lies_between_passes_is_half_a_complex_map_of_a_field) {
     for (const shaders::Transform& transform : shaders::synthesis_transforms()) {
         const auto n = static_cast<std::uint32_t>(transform.size);
         EXPECT_GE(transform.scratch_complexes, n * n / 2) << transform.design << " " << n;

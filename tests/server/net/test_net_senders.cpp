@@ -37,7 +37,7 @@ class Together final : public server::Sending {
 
 TEST(Senders, writes_of_a_turn_go_side_by_side_and_all_else_is_done_by_the_caller) {
     server::Senders senders;
-    ASSERT_TRUE(senders.start(2));
+    senders.start(2);
     EXPECT_EQ(senders.threads(), 2);
     std::atomic<int> writing = 0;
     std::list<std::shared_ptr<Together>> all;
@@ -59,7 +59,7 @@ TEST(Senders, writes_of_a_turn_go_side_by_side_and_all_else_is_done_by_the_calle
 
 TEST(Senders, one_thread_alone_writes_at_once) {
     server::Senders senders;
-    ASSERT_TRUE(senders.start(1));
+    senders.start(1);
     std::atomic<int> writing = 2;
     senders.together(
         [&] { EXPECT_FALSE(senders.later(std::make_shared<Together>(writing, true))); });
@@ -67,7 +67,7 @@ TEST(Senders, one_thread_alone_writes_at_once) {
 
 TEST(Senders, what_was_gathered_before_an_exception_is_sent) {
     server::Senders senders;
-    ASSERT_TRUE(senders.start(2));
+    senders.start(2);
     std::atomic<int> writing = 2;
     const auto one = std::make_shared<Together>(writing, true);
     EXPECT_THROW(senders.together([&] {

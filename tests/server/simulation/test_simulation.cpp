@@ -14,10 +14,15 @@ TEST(Simulation, a_sea_is_uploaded_once_to_each_device_and_what_all_have_done_ad
     EXPECT_EQ(bench.uploads, 1);
     EXPECT_EQ(bench.answer({{1.0, 2.0, 0}}).size(), 1u);
     EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 4u) << "two of each cascade";
+    EXPECT_EQ(bench.answer({{1.0, 2.0, 20'000'000}}).size(), 1u);
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 8u);
+    EXPECT_EQ(bench.simulation->counters().synthesis.cascades, 2u)
+        << "the waves of each were given to the device once, for all of its keyframes";
     *bench.failures = 1;
     EXPECT_EQ(bench.answer({{1.0, 2.0, 10'000'000}}).size(), 1u);
     EXPECT_EQ(bench.uploads, 2);
-    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 8u);
+    EXPECT_EQ(bench.simulation->counters().synthesis.keyframes, 12u);
+    EXPECT_EQ(bench.simulation->counters().synthesis.cascades, 4u);
     EXPECT_EQ(bench.simulation->counters().device_rebuilds, 1u);
 }
 

@@ -209,14 +209,19 @@ TEST(Sky, tables_are_made_once_for_a_hundred_frames_of_one_sun) {
         EXPECT_EQ(next.texels(), first.texels());
     }
     EXPECT_EQ(maker.counts(), once);
+    Look stronger = look;
+    stronger.sun_strength *= 2;
+    EXPECT_NE(sky_of(maker, stronger, 14, {.height_m = 12}).texels(), first.texels());
+    EXPECT_EQ(maker.counts(), (SkyMaker::Counts{1, 1, 1, 2}))
+        << "it comes last, and is in no table";
     sky_of(maker, look, 14, {.height_m = 300});
-    EXPECT_EQ(maker.counts(), (SkyMaker::Counts{1, 1, 2, 2})) << "another height: the eye's alone";
+    EXPECT_EQ(maker.counts(), (SkyMaker::Counts{1, 1, 2, 3})) << "another height: the eye's alone";
     sky_of(maker, look, 14.1, {.height_m = 300});
-    EXPECT_EQ(maker.counts(), (SkyMaker::Counts{1, 2, 3, 3})) << "another sun: not the medium's";
+    EXPECT_EQ(maker.counts(), (SkyMaker::Counts{1, 2, 3, 4})) << "another sun: not the medium's";
     Look hazy = look;
     hazy.air.visibility_m = 8e3;
     sky_of(maker, hazy, 14.1, {.height_m = 300});
-    EXPECT_EQ(maker.counts(), (SkyMaker::Counts{2, 3, 4, 4}));
+    EXPECT_EQ(maker.counts(), (SkyMaker::Counts{2, 3, 4, 5}));
 }
 
 TEST(Sky, what_a_maker_kept_changes_nothing) {
