@@ -20,7 +20,7 @@ namespace seaway::sea {
 /// One tile as a scene names it.
 struct CascadeSpec {
     double length_m; ///< side of the tile, m, 0.1 .. 1e6
-    int size;        ///< grid points a side: 16 .. 2048, a power of two (GPU kernels: 64 .. 1024)
+    int size;        ///< grid points a side: 16 .. 2048, a power of two (GPU kernels: 64 .. 2048)
 
     double wavenumber_step_radpm() const { return 2.0 * std::numbers::pi / length_m; }
     double nyquist_radpm() const { return std::numbers::pi * size / length_m; }

@@ -152,7 +152,7 @@ Result<void> validate(const CascadeModes& modes) {
         !std::has_single_bit(static_cast<unsigned>(size)))
         return Error{
             fmt::format("cascade of {:g} m: size {}; the native device makes powers of two "
-                        "from {} to {} (larger ones only seaway-inspect looks at)",
+                        "from {} to {} (of 2048 a Vulkan device does)",
                         modes.spec.length_m, size, NativeTransform::smallest_size,
                         NativeTransform::largest_size)};
     const auto modes_wanted = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);

@@ -125,6 +125,8 @@ class Deploy(unittest.TestCase):
             self.assertEqual(service["RestartPreventExitStatus"], "2", path)
             # systemd asks RestartPreventExitStatus= of the main process alone: what fails before it is started again for ever.
             self.assertNotIn("ExecStartPre", service, path)
+            cache = service["CacheDirectory"]
+            self.assertEqual(service["Environment"], f"XDG_CACHE_HOME=%C/{cache}", "kernels that were measured are remembered")
             self.assertEqual(unit["Unit"]["StartLimitIntervalSec"], "0", "NATS may be away for as long as it takes")
         # What the main process ends with.
         wrong = run(SERVER, "scenes/calm.toml", "--listen", "nowhere")

@@ -169,10 +169,13 @@ class Packages(unittest.TestCase):
         self.assertTrue(self.user(), "the journal is still somebody's")
         self.assertTrue((self.root.folder / "var/lib/seaway/journal.sqlite").is_file())
         self.assertIn("# mine", scene.read_text())
+        cache = self.root.folder / "var/cache/seaway"
+        cache.mkdir()
+        (cache / "kernels.tsv").write_text("")
         self.inside("dpkg", "-P", *PACKAGES)
         self.assertEqual(self.user(), "")
         self.assertEqual(self.root.run("getent", "group", "seaway").stdout, "")
-        for path in ("var/lib/seaway", "etc/seaway", "etc/systemd/system/multi-user.target.wants/seaway-server.service"):
+        for path in ("var/lib/seaway", "var/cache/seaway", "etc/seaway", "etc/systemd/system/multi-user.target.wants/seaway-server.service"):
             self.assertFalse((self.root.folder / path).exists(), path)
         self.assertNotIn("seaway", self.inside("dpkg-query", "-W"))
 
