@@ -51,9 +51,10 @@ void ClockFilter::heard() {
     at_heard_ = left(0, rate_off_max);
     at_heard_.least_us -= rounding_us;
     at_heard_.most_us += rounding_us;
+    best_round_trip_us_ = std::ranges::min(window_, {}, &Sample::round_trip_us).round_trip_us;
 }
 
-ClockFilter::Range ClockFilter::left(double slope, double wander) const {
+ClockFilter::Range ClockFilter::left(double slope, double off) const {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Range range{-infinity, infinity, heard_us_, heard_us_};
     for (const Sample& sample : window_) {
@@ -61,9 +62,9 @@ ClockFilter::Range ClockFilter::left(double slope, double wander) const {
         const LocalUs received_us = sample.sent_us + sample.round_trip_us;
         const auto since_sent_us = static_cast<double>(heard_us_ - sample.sent_us);
         const auto since_received_us = static_cast<double>(heard_us_ - received_us);
-        const double most_us = ahead_us + slope * since_sent_us + wander * std::abs(since_sent_us);
+        const double most_us = ahead_us + slope * since_sent_us + off * std::abs(since_sent_us);
         const double least_us = ahead_us - static_cast<double>(sample.round_trip_us) +
-                                slope * since_received_us - wander * std::abs(since_received_us);
+                                slope * since_received_us - off * std::abs(since_received_us);
         if (most_us < range.most_us) {
             range.most_us = most_us;
             range.most_at_us = sample.sent_us;
@@ -146,7 +147,7 @@ ClockStatus ClockFilter::status(LocalUs local_us) const {
     status.offset_us = static_cast<double>(base_us_) + target_us;
     status.drift_ppm = slope_ * 1e6;
     status.slew_us = shown_any_ ? target_us - shown_offset_us_ : 0;
-    status.round_trip_us = std::ranges::min(window_, {}, &Sample::round_trip_us).round_trip_us;
+    status.round_trip_us = best_round_trip_us_;
     const Range range = allowed(local_us);
     status.error_us = std::max(range.most_us - target_us, target_us - range.least_us);
     return status;

@@ -84,8 +84,8 @@ class ClockFilter {
     };
 
     void heard();
-    /// What all looks of the window leave at heard_us_, of clocks that run apart at `slope`, as a part, and off that by `wander` at most.
-    Range left(double slope, double wander) const;
+    /// What all looks of the window leave at heard_us_, of clocks that run apart at `slope`, as a part, and off that by `off` at most.
+    Range left(double slope, double off) const;
     double slope_of_most_room() const;
     Range allowed(LocalUs local_us) const;
     double target_offset_us(LocalUs local_us) const;
@@ -94,6 +94,7 @@ class ClockFilter {
     LocalUs base_us_ = 0;  ///< near all offsets of the window
     LocalUs heard_us_ = 0; ///< the latest middle
     Range at_heard_ = {};  ///< what all looks of the window allow then
+    LocalUs best_round_trip_us_ = 0;
     // The estimate: base + middle + slope (local - heard).
     double middle_us_ = 0;
     double slope_ = 0;
