@@ -37,9 +37,9 @@ class Watcher:
         self.process.wait()
 
     def worst_gap_s(self, since_s=0.0):
-        """By the clock that time.monotonic() shows."""
-        times = [row["came_s"] for row in self.rows if row["came_s"] >= since_s]
-        return max((b - a for a, b in zip(times, times[1:])), default=float("inf"))
+        """Of those that ended since, the one of now among them; by the clock that time.monotonic() shows."""
+        times = [row["came_s"] for row in self.rows] + [time.monotonic()]
+        return max((b - a for a, b in zip(times, times[1:]) if b >= since_s), default=float("inf"))
 
     def jump_m(self):
         """How much further a step of 0.1 s or less goes than the water can: speed and half a g, a glide, what both heights may miss."""
