@@ -44,8 +44,9 @@ class ClockFilter {
     /// Larger differences are not slewed: forward at once, and after begin_anew() at twice the speed; backward at half of it.
     static constexpr double step_us = 250'000;
     /// Two clocks run apart by no more, as parts of one: a server pulls its sea time towards UTC by 0.4 ms a second (SeaClock), systems that
-    /// correct their clocks do so by up to 0.5 (adjtime; chrony where `maxslewrate 500` says so), and quartz is off by less than
-    /// 0.1. Beyond that no bound holds, until the next look.
+    /// correct their clocks do so by up to 0.5 (adjtime; ntpd; chrony where `maxslewrate 500` says so), and quartz is off by less than
+    /// 0.1. Beyond that no bound holds, until the next look: chrony unless it is told, systemd-timesyncd where a clock was off by
+    /// more than 4 ms.
     static constexpr double rate_off_max = 1.5e-3;
 
     /// A reply: sent and received in local time, and the sea time that the server wrote into it.

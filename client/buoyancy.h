@@ -26,10 +26,11 @@
  *     seaway_hull_step(&hull, &body, points, answers, 1.0 / 60);
  *
  * (seaway_sample_as of seaway_engine.h leaves out waves that are too short for the hull) or one, for one hull: seaway_hull_ride. Between samples the water moves on by its own velocity and slope. A step divides
- * itself as finely as the hull is stiff, and drag is taken implicitly: no step makes it unstable, in a hurricane neither.
+ * itself as finely as the hull is stiff and as its added mass turns it, and drag is taken implicitly: no step makes it unstable, in a hurricane neither.
  *
  * Cost: some 0.1 us a panel and part of a step, besides the samples. Nothing is allocated; pure, so safe from any
- * thread. What fails changes nothing and returns SEAWAY_BAD_ARGUMENT; with -ffast-math numbers that are none are not found. */
+ * thread. What fails changes nothing and returns SEAWAY_BAD_ARGUMENT (seaway_last_error() knows nothing of what is done
+ * here; seaway_hull_fault may); with -ffast-math numbers that are none are not found. */
 #ifndef SEAWAY_CLIENT_BUOYANCY_H
 #define SEAWAY_CLIENT_BUOYANCY_H
 
@@ -85,7 +86,7 @@ static inline void seaway_hull_load(const seaway_hull* hull, const seaway_body* 
                                     double later_s, seaway_load* load);
 
 /* Moves the body on by step_s, 0 to 1 s, which starts at the time of the points. SEAWAY_BAD_ARGUMENT: a step outside of that, or one
- * that takes more than SEAWAY_PARTS_MAX parts (of a light or slender hull take shorter steps); any number of water, hull or
+ * that takes more than SEAWAY_PARTS_MAX parts (of a light or slender hull take shorter steps); any number of points, water, hull or
  * body that is none, or from which none follows, a normal of no length, a hull without parts; the body stays where it was. Whether
  * corners of triangles are vertices, seaway_hull_fault alone looks at: ask it once for a hull from elsewhere. */
 #define SEAWAY_PARTS_MAX 1000

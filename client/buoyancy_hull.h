@@ -126,6 +126,29 @@ static inline double seaway_hull_volume_m3(const seaway_hull* hull) {
     return volume_m3;
 }
 
+/* How fast Munk's moment and the body's own turn may take it around, rad/s: its momentum beside the fastest water turns about each
+ * axis what is heavier along one of the other two. 0 where it is as heavy along all. */
+static inline double seaway_turns_by(const seaway_hull* hull, const seaway_body* body,
+                                     const seaway_answer* answers, double step_s) {
+    double heaviest = 0, turned_pkgm2 = 0, water_mps = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double one = 1 + hull->added_mass[(i + 1) % 3],
+                     other = 1 + hull->added_mass[(i + 2) % 3];
+        heaviest = fmax(heaviest, one);
+        turned_pkgm2 =
+            fmax(turned_pkgm2, fabs(1 / one - 1 / other) /
+                                   (hull->inertia_kgm2[i] * (1 + hull->added_inertia[i])));
+    }
+    if (!(turned_pkgm2 > 0))
+        return 0;
+    for (size_t v = 0; v < hull->vertex_count; ++v)
+        water_mps = fmax(water_mps, seaway_length(answers[v].velocity_mps));
+    const double beside_mps =
+        water_mps + seaway_length(body->velocity_mps) + SEAWAY_GRAVITY_MPS2 * step_s;
+    return beside_mps * heaviest * sqrt(turned_pkgm2 * hull->mass_kg) +
+           seaway_length(body->angular_velocity_radps);
+}
+
 /* Square of an angular frequency that no motion of the hull in still water is above, (rad/s)2: its stiffness is at most that of
  * half of its surface at the far end of its longest arm. */
 static inline double seaway_stiffness(const seaway_hull* hull) {
@@ -168,16 +191,20 @@ static inline const char* seaway_hull_numbers_fault(const seaway_hull* hull) {
 }
 
 static inline const char* seaway_hull_parts_fault(const seaway_hull* hull) {
-    if (hull->triangle_count == 0 && (!hull->volumes_m3 || !(hull->column_m > 0)))
+    if (hull->triangle_count == 0 &&
+        (!hull->volumes_m3 || !(hull->column_m > 0 && hull->column_m < HUGE_VAL)))
         return "it has neither triangles nor volumes and a height of columns";
+    for (size_t v = 0; hull->triangle_count == 0 && v < hull->vertex_count; ++v)
+        if (!(hull->volumes_m3[v] >= 0 && hull->volumes_m3[v] < HUGE_VAL))
+            return "a volume must be 0 or more";
     if (hull->triangle_count > 0 && !hull->triangles)
         return "it has no triangles";
     return NULL;
 }
 
 /* Over a closed surface the integral of dA is 0, and that of arm dA the volume along the diagonal and 0 beside it. Holes that
- * face each other leave the first as it is, and no two leave the second. The arms are from a corner of the mesh: what is far
- * from the origin is closed as well. */
+ * face each other leave the first as it is, and no two leave the second; three such pairs that are alike may. Corners need not be
+ * shared, so edges prove nothing. The arms are from a corner of the mesh: what is far from the origin is closed as well. */
 static inline int seaway_is_closed(const seaway_hull* hull) {
     const size_t first = hull->triangles[0];
     const double* near_m = hull->vertices_m + 3 * first;
@@ -234,16 +261,24 @@ static inline void seaway_beside_water(const seaway_body* body, const seaway_loa
         beside_mps[i] = -(load->flow_m3ps[i] + turned[i]) / load->wetted_m2;
 }
 
+/* Of a momentum beside the water that goes another way than the body. */
+static inline void seaway_add_munk(const double momentum[3], const double beside_mps[3],
+                                   double share, double torque[3]) {
+    double munk[3];
+    seaway_cross(momentum, beside_mps, munk);
+    seaway_add(torque, share, munk);
+}
+
 /* One part of a step: the momenta first, by the forces where the body is, then the places by the new velocities, which
  * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. A body with
  * added mass is heavier along some of its axes: its momentum beside the water lasts while it turns, not its velocity, and pulls it around
- * (Munk's moment, without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
+ * (Munk's moment, half of it before the turn and half behind, without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
  * divided by 1 + twice what it would do within the part, since off the centre what it does along and around may add up: it slows, and
  * never reverses. A weight that drag alone bears sinks faster by that: short steps are right. */
 static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const seaway_load* load,
                                double part_s) {
     double mass[3], lighter[3], lazier[3], inertia[3], rows[3][3], turn[3], half[4];
-    double beside[3], water[3], pushed[3], momentum[3], munk[3], force[3], torque[3];
+    double beside[3], water[3], pushed[3], momentum[3], force[3], torque[3];
     double least_kg = HUGE_VAL, least_kgm2 = HUGE_VAL;
     for (int i = 0; i < 3; ++i) {
         mass[i] = hull->mass_kg * (1 + hull->added_mass[i]);
@@ -267,8 +302,7 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
     seaway_along_axes(rows, mass, beside, pushed);
     seaway_add(pushed, part_s, force);
     seaway_along_axes(rows, lighter, pushed, beside);
-    seaway_cross(pushed, beside, munk);
-    seaway_add(torque, 1, munk);
+    seaway_add_munk(pushed, beside, 0.5, torque);
     for (int i = 0; i < 3; ++i)
         body->velocity_mps[i] = water[i] + beside[i];
     seaway_add(body->position_m, part_s, body->velocity_mps);
@@ -287,8 +321,9 @@ static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const
         turn[i] *= part_s;
     seaway_turn(body->orientation, turn);
     seaway_rows(body->orientation, rows);
-    seaway_along_axes(rows, lazier, momentum, body->angular_velocity_radps);
     seaway_along_axes(rows, lighter, pushed, beside);
+    seaway_add_munk(pushed, beside, 0.5 * part_s, momentum);
+    seaway_along_axes(rows, lazier, momentum, body->angular_velocity_radps);
     for (int i = 0; i < 3; ++i)
         body->velocity_mps[i] = water[i] + beside[i];
 }
@@ -320,10 +355,13 @@ static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body*
         seaway_hull_parts_fault(hull))
         return SEAWAY_BAD_ARGUMENT;
     for (size_t v = 0; v < hull->vertex_count; ++v)
-        if (!seaway_is_known(&answers[v]))
+        if (!seaway_is_known(&answers[v]) ||
+            !(fabs(points[v].x_m) + fabs(points[v].y_m) < HUGE_VAL))
             return SEAWAY_BAD_ARGUMENT;
     /* A quarter of the radian of the fastest motion that can be. */
-    const double parts = ceil(fmax(step_s * sqrt(seaway_stiffness(hull)) / 0.25, 1));
+    const double fastest_radps =
+        fmax(sqrt(seaway_stiffness(hull)), seaway_turns_by(hull, body, answers, step_s));
+    const double parts = ceil(fmax(step_s * fastest_radps / 0.25, 1));
     if (!(parts <= SEAWAY_PARTS_MAX))
         return SEAWAY_BAD_ARGUMENT;
     for (double part = 0; part < parts; ++part) {

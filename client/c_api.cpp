@@ -213,7 +213,7 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
                 fmt::format("seaway_subscription.reserved is {}: it must be 0", wanted.reserved));
         if (wanted.rung == SEAWAY_SPECTRUM) {
             const Result<protocol::SpectrumGrant> granted = client->client->subscribe_spectrum(
-                {.error_m = static_cast<float>(wanted.error_m)}, or_default(wanted.timeout_s));
+                {.error_m = wish_of(wanted.error_m)}, or_default(wanted.timeout_s));
             return granted ? Result<void>() : granted.error();
         }
         if (!limit_fits(wanted.rate_hz_max, protocol::limits::rate_hz_min,
@@ -228,7 +228,7 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
             return bad("seaway_subscribe: rung must be SEAWAY_TILES or SEAWAY_SPECTRUM");
         protocol::TileWish wish;
         wish.fields = sea::surface_fields;
-        wish.error_m = static_cast<float>(wanted.error_m);
+        wish.error_m = wish_of(wanted.error_m);
         wish.rate_hz_max = static_cast<float>(wanted.rate_hz_max);
         wish.size_max = static_cast<int>(wanted.size_max);
         const Result<Grant> granted =

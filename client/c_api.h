@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -41,6 +42,12 @@ static_assert(sizeof(seaway_point) == sizeof(seaway::sea::QueryPoint) &&
 namespace seaway::client::c {
 
 inline constexpr double timeout_default_s = 10;
+
+/// A wish that is as small as that is none of 0, which leaves the choice to the server.
+inline float wish_of(double value) {
+    const auto narrow = static_cast<float>(value);
+    return value > 0 ? std::max(narrow, std::numeric_limits<float>::min()) : narrow;
+}
 /// No struct of any library has more: a size above it was never set, and that many bytes may not be there to look at.
 inline constexpr uint32_t struct_bytes_max = 4096;
 inline thread_local std::string last_error;

@@ -47,7 +47,7 @@ Result<protocol::TileWish> tile_wish(const seaway_wish& wanted, const SeaState& 
         wanted.fields == 0 ? sea::surface_fields : sea::FieldSet::from_bits(wanted.fields);
     if (wanted.cascades != 0)
         wish.cascades = wanted.cascades;
-    wish.error_m = static_cast<float>(wanted.error_m);
+    wish.error_m = wish_of(wanted.error_m);
     wish.rate_hz_max = static_cast<float>(wanted.rate_hz_max);
     wish.size_max = static_cast<int>(wanted.size_max);
     return wish;
@@ -216,14 +216,14 @@ seaway_code seaway_ask(seaway_client* client, const seaway_point* points, size_t
                 fmt::format("{} questions are open: take or cancel some", Questions::open_max));
         // Nobody would know its number.
         Undo question_open([&] { client->questions->cancel(*opened); });
-        client->client->ask_async(
+        SEAWAY_TRY(client->client->ask_async(
             as_points(points, count), {exact != 0, or_default(timeout_s)},
             [questions = client->questions, number = *opened](const Result<Reply>& reply) {
                 if (reply)
                     questions->answer(number, reply->answers);
                 else
                     questions->answer(number, reply.error());
-            });
+            }));
         question_open.keep();
         *question = *opened;
         return {};

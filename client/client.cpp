@@ -44,7 +44,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
         {
             const std::scoped_lock lock(mutex_);
             if (!joining->joined)
-                join(*joining, *state);
+                join(*joining, state);
             joining->told_epoch_max = std::max(joining->told_epoch_max, state->epoch);
             std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
                 if (held->epoch == state->epoch && held->probes != state->probes)
@@ -72,7 +72,15 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
     take_waves(events);
     events.on_grant = [this](const Grant& grant) { take_grant(grant); };
     take_times(events, joining);
-    events.on_tick = [this] { say_what_is_held(); };
+    events.on_tick = [this, joining] {
+        bool adopted = false; // it ticks from the first sea state on, which may be before
+        {
+            const std::scoped_lock lock(mutex_);
+            adopted = joining_ == joining;
+        }
+        if (adopted)
+            say_what_is_held();
+    };
     events.on_closed = [this, joining](const Error& reason) {
         bool adopted = false;
         {
@@ -122,38 +130,6 @@ void Client::take_grant(const Grant& grant) {
     lock.unlock();
     if (const ConnectionPtr connection = link()) // it was asked for before nothing was wanted
         connection->unsubscribe();
-}
-
-void Client::take_waves(ConnectionEvents& events) {
-    events.on_spectrum = [this](const SeaStatePtr& state, const protocol::SpectrumHead& head) {
-        const auto begun = std::make_shared<ReceivedSpectrum>(state, head);
-        const std::scoped_lock lock(mutex_);
-        std::erase_if(received_, [&](const auto& held) { // of seas that are over
-            return std::ranges::none_of(
-                sea_states_, [&](const SeaStatePtr& known) { return known->epoch == held.first; });
-        });
-        // Of a sea whose waves are held they would begin with the coarsest.
-        (received_.contains(state->epoch) ? arriving_ : received_)[state->epoch] = begun;
-    };
-    events.on_waves = [this](std::uint32_t epoch, const sea::SpectrumLeft& left,
-                             std::span<const sea::WaveBlock> blocks) -> Result<void> {
-        const auto held = [&](const auto& spectra) {
-            const std::scoped_lock lock(mutex_);
-            const auto found = spectra.find(epoch);
-            return found == spectra.end() ? nullptr : found->second;
-        };
-        const auto arriving = held(arriving_), received = held(received_);
-        const auto& spectrum = arriving ? arriving : received;
-        if (!spectrum)
-            return {}; // its sea is over
-        SEAWAY_TRY(spectrum->add(left, blocks));
-        if (!arriving || (received && arriving->left_m() > received->left_m()))
-            return {};
-        const std::scoped_lock lock(mutex_);
-        received_[epoch] = arriving;
-        arriving_.erase(epoch);
-        return {};
-    };
 }
 
 void Client::forget_waves(std::uint32_t epoch) {
@@ -358,7 +334,7 @@ Result<bool> Client::hold_then(SeaThen& then, const KeyframeRing& ring, TimeUs t
     const auto is_held = [&]() -> Result<void> {
         const std::uint32_t cascades = felt_cascades(*then.state, how.looking);
         if (cascades == 0) // it lies flat
-            return {};
+            return check_cascades(*then.state, how.looking);
         if (!how.keyframes_first)
             then.waves = own_sea(then.waves_of);
         if (then.waves)

@@ -118,9 +118,9 @@ class Client {
     Result<std::vector<sea::Answer>> ask(std::span<const sea::QueryPoint> points,
                                          const Asking& asking);
 
-    /// The same for a batch the server takes at once; does not block (Connection::query).
-    void ask_async(std::span<const sea::QueryPoint> points, const Asking& asking,
-                   ReplyHandler handler);
+    /// The same for a batch the server takes at once; does not block (Connection::query). Where it fails the handler is not called.
+    Result<void> ask_async(std::span<const sea::QueryPoint> points, const Asking& asking,
+                           ReplyHandler handler);
 
     bool threadless() const { return options_.threadless; }
     /// Of a threadless client: what there is to do, and then what comes until `done` or until then. True: `done`.
@@ -169,16 +169,15 @@ class Client {
     /// The surface around a time from what is held: for renderers and for many points.
     Result<LocalSurface> surface(sea::TimeUs time_us) const;
 
-    /// Fetches the keyframes around these times that are not held, with the fields that sampling
-    /// needs and those of `also` that the server offers. Blocks. What came to the ring first makes
-    /// room, never what these times need; more times than the ring has room for are an error.
+    /// Fetches the keyframes around these times that are not held, with the fields that sampling needs and those of `also` that
+    /// the server offers. Blocks. What came to the ring first makes room, never what these times need; more times than the ring
+    /// has room for are an error.
     Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s,
                       sea::FieldSet also = {});
 
-    /// Samples any number of points at any number of times, in order: fetches what is not held and
-    /// keeps it until its points are answered, whatever else comes. Blocks. Only as many keyframes
-    /// are asked for at once as the ring has room for. An answer without keyframes on both sides
-    /// is an error here.
+    /// Samples any number of points at any number of times, in order: fetches what is not held and keeps it until its points are
+    /// answered, whatever else comes. Blocks. Only as many keyframes are asked for at once as the ring has room for. An
+    /// answer without keyframes on both sides is an error here.
     Result<std::vector<sea::Answer>> fetch_and_sample(std::span<const sea::QueryPoint> points,
                                                       double timeout_s);
 
@@ -186,6 +185,7 @@ class Client {
 
   private:
     /// `z_m`: none, or one a point.
+    Result<void> check_asked(std::span<const sea::QueryPoint> points, const Looking& looking) const;
     Result<Below> ask_all(std::span<const sea::QueryPoint> points, std::span<const double> z_m,
                           const Asking& asking);
 
@@ -219,15 +219,15 @@ class Client {
     void say_status();
     void say_what_is_held(); ///< where that is something else than was said
     /// mutex_ held, on the connection's thread: its first sea is known.
-    void join(Joining& joining, const SeaState& state);
+    void join(Joining& joining, const SeaStatePtr& state);
     /// mutex_ held. Why it is not the sea that is held; empty: it is.
     std::string why_another(const Joining& joining, const SeaState& state) const;
-    void hear(const Joining::Look& look); ///< mutex_ held
+    void hear(const Joining::Look& look, bool clock_knows = false); ///< mutex_ held
     /// mutex_ held. Why it is not the server's sea: one should run by now, or a pace hold, that this connection was not told of, and each
     /// change is told of before it begins. Empty: nothing is.
     std::string what_is_lost(const Joining& joining, std::uint32_t told_epoch_max,
                              const Joining::Look& look) const;
-    void forget_sea(); ///< mutex_ held
+    void forget_sea(const Joining& joining, const SeaStatePtr& next); ///< mutex_ held
     /// Asks for what is kept now, if anything is (wanted.h).
     template <class Kind>
     std::optional<typename Kept<Kind>::One> ask_as_before(const Kept<Kind>& kept,
@@ -253,8 +253,7 @@ class Client {
     /// Of what is subscribed to again, one after the other.
     struct Again;
     enum class Turn { standing, waiting, opening, subscribing, resting, stopped };
-    /// Waits for a reply; without threads it works meanwhile.
-    Result<Reply> reply_of(Waiter& waiter);
+    Result<Reply> reply_of(Waiter& waiter); ///< waits; without threads it works meanwhile
     /// One turn of work, until then at most.
     void work(std::chrono::steady_clock::time_point until);
     void work_held(std::chrono::steady_clock::time_point until); ///< working_ held
@@ -315,8 +314,9 @@ class Client {
     bool to_be_seen(sea::TimeUs time_us) const;
     /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
+    /// All of one time, of that sea.
     Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
-                         std::span<Water> water) const; ///< all of one time
+                         const SeaStatePtr& state, std::span<Water> water) const;
     /// Glides that begin before the one before them has ended.
     static constexpr int glides_chained_max = 16;
     /// What a sea is made of, which takes some tens of milliseconds and is done without mutex_.
@@ -341,7 +341,8 @@ class Client {
     /// mutex_ held. From now, of those that are held: the first or the last.
     void forget_furthest_state();
     void take_waves(ConnectionEvents& events);
-    void forget_waves(std::uint32_t epoch); ///< mutex_ held
+    void make_room_for_waves(const SeaState& next); ///< mutex_ held
+    void forget_waves(std::uint32_t epoch);         ///< mutex_ held
     /// The sea that runs at a time, its waves if they are here, and until when it does.
     struct SeaThen {
         SeaStatePtr state;

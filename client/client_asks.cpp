@@ -4,6 +4,7 @@
 #include <condition_variable>
 
 #include "client/client.h"
+#include "client/link/failure.h"
 
 namespace seaway::client {
 
@@ -14,6 +15,34 @@ namespace {
 
 /// Batches of one ask() under way: enough to hide the round trip.
 constexpr std::size_t batches_in_flight = 4;
+
+/// Of one ask().
+struct Progress {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::size_t under_way = 0;
+    Below found;
+    std::optional<Error> problem;
+
+    /// Of the batch that begins with that point. Whoever waits is woken, whatever there is no memory for.
+    void take(std::size_t first, const Result<Reply>& reply) {
+        const std::scoped_lock lock(mutex);
+        --under_way;
+        const auto at = static_cast<std::ptrdiff_t>(first);
+        if (reply) {
+            std::ranges::copy(reply->answers, found.answers.begin() + at);
+            if (!reply->below.empty())
+                std::ranges::copy(reply->below, found.water.begin() + at);
+        } else if (!problem) {
+            try {
+                problem = reply.error();
+            } catch (const std::bad_alloc&) {
+                problem = failed(failure_of(reply.error()), "no memory");
+            }
+        }
+        changed.notify_all();
+    }
+};
 
 } // namespace
 
@@ -30,15 +59,7 @@ Result<Below> Client::ask_below(std::span<const QueryPoint> points, std::span<co
 
 Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<const double> z_m,
                               const Asking& asking) {
-    for (const QueryPoint& point : points)
-        SEAWAY_TRY(check_point(point));
-    struct Progress {
-        std::mutex mutex;
-        std::condition_variable changed;
-        std::size_t under_way = 0;
-        Below found;
-        std::optional<Error> problem;
-    };
+    SEAWAY_TRY(check_asked(points, asking.looking));
     const std::size_t batch_size =
         std::max(asking.exact || !z_m.empty() ? welcome().exact_points_per_query_max
                                               : welcome().points_per_query_max,
@@ -66,18 +87,8 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
         lock.unlock();
         const auto batch = points.subspan(first, std::min(batch_size, points.size() - first));
         const auto depths = z_m.empty() ? z_m : z_m.subspan(first, batch.size());
-        const auto answered = [progress, first](Result<Reply> reply) {
-            const std::scoped_lock inner(progress->mutex);
-            --progress->under_way;
-            const auto at = static_cast<std::ptrdiff_t>(first);
-            if (reply) {
-                std::ranges::copy(reply->answers, progress->found.answers.begin() + at);
-                if (!reply->below.empty())
-                    std::ranges::copy(reply->below, progress->found.water.begin() + at);
-            } else if (!progress->problem) {
-                progress->problem = reply.error();
-            }
-            progress->changed.notify_all();
+        const auto answered = [progress, first](const Result<Reply>& reply) {
+            progress->take(first, reply);
         };
         connection->query(batch, asking.exact, asking.timeout_s, answered, asking.looking, depths);
         lock.lock();
@@ -89,8 +100,16 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
     return std::move(progress->found);
 }
 
-void Client::ask_async(std::span<const QueryPoint> points, const Asking& asking,
-                       ReplyHandler handler) {
+Result<void> Client::check_asked(std::span<const QueryPoint> points, const Looking& looking) const {
+    for (const QueryPoint& point : points)
+        SEAWAY_TRY(check_point(point));
+    return points.empty() ? Result<void>()
+                          : check_cascades(*sea_state(points.front().time_us), looking);
+}
+
+Result<void> Client::ask_async(std::span<const QueryPoint> points, const Asking& asking,
+                               ReplyHandler handler) {
+    SEAWAY_TRY(check_asked(points, asking.looking));
     const auto marked = [this, asked = std::vector(points.begin(), points.end()),
                          handler = std::move(handler)](Result<Reply> reply) {
         if (reply)
@@ -99,6 +118,7 @@ void Client::ask_async(std::span<const QueryPoint> points, const Asking& asking,
     };
     link()->query(points, asking.exact, asking.timeout_s, marked, asking.looking);
     wake();
+    return {};
 }
 
 } // namespace seaway::client

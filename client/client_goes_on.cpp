@@ -85,8 +85,12 @@ Result<std::unique_ptr<Client>> Client::connect(const ConnectOptions& options, C
     if (const Result<void> opened = client->open_link(); !opened)
         return told(opened.error(), Failure::cannot_connect);
     const QuietThreads quiet;
-    if (!options.stays_lost && !options.threadless)
-        client->keeper_ = std::thread([client = client.get()] { client->keep(); });
+    try {
+        if (!options.stays_lost && !options.threadless)
+            client->keeper_ = std::thread([client = client.get()] { client->keep(); });
+    } catch (const std::system_error& no_thread) {
+        return failed(Failure::cannot_connect, no_thread.what());
+    }
     return client;
 }
 
@@ -306,31 +310,31 @@ std::string Client::why_another(const Joining& joining, const SeaState& state) c
     return {};
 }
 
-void Client::join(Joining& joining, const SeaState& state) {
+void Client::join(Joining& joining, const SeaStatePtr& state) {
     const bool first = sea_states_.empty();
-    const std::string another = first ? std::string() : why_another(joining, state);
+    const std::string another = first ? std::string() : why_another(joining, *state);
     if (!another.empty()) {
         status_.reason = fmt::format("another sea than before: {}", another);
-        forget_sea();
+        forget_sea(joining, state);
     } else if (!first) {
-        if (std::ranges::find(sea_states_, state.epoch, &SeaState::epoch) == sea_states_.end()) {
+        if (std::ranges::find(sea_states_, state->epoch, &SeaState::epoch) == sea_states_.end()) {
             const bool apart =
                 heard_us_ > missed_.until_us; // what was missed before is not told of any more
             if (apart)
                 told_from_us_ = std::max(told_from_us_, missed_.until_us);
             missed_ = {apart ? heard_us_ : std::min(missed_.from_us, heard_us_),
-                       std::max(heard_us_, state.start_time_us), true};
+                       std::max(heard_us_, state->start_time_us), true};
         }
         clock_.begin_anew();
     }
     if (first)
         ++seas_;
-    if (sea_states_.empty()) // of another sea nothing is held
-        told_from_us_ = state.start_time_us;
+    if (first || !another.empty()) // of it nothing is held
+        told_from_us_ = state->start_time_us;
     for (const sea::Pace& pace : joining.paces)
         paces_.add(pace);
     for (const Joining::Look& look : joining.looks)
-        hear(look);
+        hear(look, !another.empty());
     joining.joined = true;
 }
 
@@ -351,17 +355,23 @@ std::string Client::what_is_lost(const Joining& joining, std::uint32_t told_epoc
     return {};
 }
 
-void Client::hear(const Joining::Look& look) {
-    clock_.add(look.sent_us, look.received_us, look.elapsed_us);
+void Client::hear(const Joining::Look& look, bool clock_knows) {
+    if (!clock_knows)
+        clock_.add(look.sent_us, look.received_us, look.elapsed_us);
     // Who looks rarely takes up late what came long ago: it was no earlier than this.
     heard_at_us_ = look.sent_us - look.unsure_us;
     heard_us_ = std::max(heard_us_, sure_until_us(paces_, look.elapsed_us, look.unsure_us));
     unsure_ = look.unsure_us > 0;
 }
 
-void Client::forget_sea() {
+void Client::forget_sea(const Joining& joining, const SeaStatePtr& next) {
+    // What takes memory is made first: there is always a sea and a time.
+    ClockFilter clock;
+    for (const Joining::Look& look : joining.looks)
+        clock.add(look.sent_us, look.received_us, look.elapsed_us);
     ++seas_;
-    sea_states_.clear();
+    sea_states_.assign(1, next);
+    clock_ = std::move(clock);
     rebuilt_.clear();
     received_.clear();
     arriving_.clear();
@@ -371,7 +381,6 @@ void Client::forget_sea() {
     surfaces_.follow(ring_);
     for (Wanted* wanted : wanted_)
         wanted->forget();
-    clock_ = {};
     paces_ = {};
     shown_us_ = heard_us_ = std::numeric_limits<TimeUs>::min();
     missed_ = {};

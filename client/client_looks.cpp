@@ -22,8 +22,16 @@ double sideways(const sea::Choppiness& choppiness) {
     return std::max(choppiness.x, choppiness.y);
 }
 
+/// How near a place is looked for: no double far out is as near as those at home.
+double tolerance_m(std::span<const sea::QueryPoint> points) {
+    double most_m = 1e-7;
+    for (const sea::QueryPoint& point : points)
+        most_m = std::max(most_m, RebuiltSea::tolerance_m(point));
+    return most_m;
+}
+
 /// A sea of which nothing is felt; its foam is seen.
-void lie_flat(const sea::QueryPoint& point, const HeldFoam& foam, Water& water) {
+void put_flat(const sea::QueryPoint& point, const HeldFoam& foam, Water& water) {
     const double nan = std::nan("");
     const bool is_water = std::isfinite(point.x_m) && std::isfinite(point.y_m);
     water.foam = is_water ? foam.at({point.x_m, point.y_m}) : nan;
@@ -59,9 +67,8 @@ SourceNow Client::source(TimeUs time_us) const {
 }
 
 Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
-                             std::span<Water> water) const {
+                             const SeaStatePtr& state, std::span<Water> water) const {
     const TimeUs time_us = points.front().time_us;
-    const SeaStatePtr state = sea_state(time_us);
     const std::uint32_t cascades = felt_cascades(*state, looking);
     const HeldFoam foam(*state, ring_, time_us);
     const auto put = [&](const sea::InverseOptions& options, sea::LagrangianField field,
@@ -80,8 +87,8 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
     };
     if (cascades == 0) {
         for (std::size_t i = 0; i < points.size(); ++i)
-            lie_flat(points[i], foam, water[i]);
-        return {};
+            put_flat(points[i], foam, water[i]);
+        return check_cascades(*state, looking);
     }
     const WaveBatch batch{time_us, points.size(), 1, cascades};
     std::optional<LocalSurface> held;
@@ -112,7 +119,8 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
         maps->summed(batch, thread_time_us() - begun_us);
         keep(0);
         const sea::Choppiness choppiness = sea.sum().sea().choppiness;
-        put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
+        put({choppiness, tolerance_m(points),
+             sea::fold_search(state->displacement_reach_m, choppiness, 0)},
             moment, sideways(choppiness) * sea.error().displacement_m);
     });
     return {};
@@ -128,10 +136,20 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
             std::size_t end = first + 1;
             while (end < points.size() && points[end].time_us == points[first].time_us)
                 ++end;
-            const KnownSea known = known_sea(points[first].time_us);
+            const TimeUs time_us = points[first].time_us;
+            const std::span<const sea::QueryPoint> asked = points.subspan(first, end - first);
             const std::span<Water> found = std::span(water).subspan(first, end - first);
-            SEAWAY_TRY(look_at(points.subspan(first, end - first), looking, found));
-            if (!known.has(points[first].time_us))
+            const SeaStatePtr state = sea_state(time_us);
+            bool certain = known_sea(time_us).has(time_us);
+            if (const Result<void> looked = look_at(asked, looking, state, found); !looked) {
+                // As heights do (hold_then()).
+                const SeaStatePtr before = sea_state(state->start_time_us - 1);
+                if (time_us - state->start_time_us >= sea::glide_us_min || before == state ||
+                    !look_at(asked, looking, before, found))
+                    return looked.error();
+                certain = false;
+            }
+            if (!certain)
                 for (Water& one : found)
                     one.answer.flags |= sea::answer_extrapolated;
             first = end;
@@ -173,9 +191,11 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
                               "water below the surface follows from waves, and none are held of "
                               "that time: subscribe to the spectrum, rebuild the sea, or ask the "
                               "server");
+            const std::uint32_t cascades = felt_cascades(*state, looking);
+            if (cascades == 0)
+                SEAWAY_TRY(check_cascades(*state, looking));
             waves->at(time_us, [&](const RebuiltSea& sea) {
-                const sea::DirectSum::Moment moment =
-                    sea.sum().at_time(time_us, felt_cascades(*state, looking));
+                const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
                 for (std::size_t i = first; i < end; ++i) {
                     found.answers[i] = sea.answer(points[i], z_m[i], moment, found.water[i]);
                     if (!known.has(time_us))

@@ -4,6 +4,7 @@
 
 #include "base/thread_time.h"
 #include "client/client.h"
+#include "sea/waves/spectrum_builder.h"
 
 namespace seaway::client {
 
@@ -27,12 +28,75 @@ bool Client::has_waves_held(std::uint32_t epoch) const {
 
 namespace {
 
+/// Points of all tiles whose waves are held, each of 24 bytes: as many as of a few of the largest seas there may be. Those
+/// furthest from now go first.
+constexpr std::size_t wave_points_max = protocol::limits::spectra_max * sea::spectrum_modes_max;
+
+std::size_t points_of(const SeaState& state) {
+    std::size_t points = 0;
+    for (const protocol::CascadeInfo& cascade : state.cascades)
+        points += static_cast<std::size_t>(cascade.size) * static_cast<std::size_t>(cascade.size);
+    return points;
+}
+
 /// A glide whose end is reached then: the waves of its epoch are all that counts.
 bool has_ended_by(const SeaState& glide, TimeUs time_us) {
     return glide.glide && glide.glide->end_us <= time_us;
 }
 
 } // namespace
+
+void Client::make_room_for_waves(const SeaState& next) {
+    const auto held = [&] {
+        std::size_t points = points_of(next);
+        for (const auto* spectra : {&received_, &arriving_})
+            for (const auto& [epoch, spectrum] : *spectra)
+                points += points_of(*spectrum->state());
+        return points;
+    };
+    const auto away_us = [&](const auto& spectrum) {
+        return std::abs(static_cast<double>(spectrum.second->state()->start_time_us) -
+                        static_cast<double>(heard_us_));
+    };
+    while (!received_.empty() && held() > wave_points_max)
+        forget_waves(std::ranges::max_element(received_, {}, away_us)->first);
+}
+
+void Client::take_waves(ConnectionEvents& events) {
+    events.on_spectrum = [this](const SeaStatePtr& state, const protocol::SpectrumHead& head) {
+        {
+            const std::scoped_lock lock(mutex_);
+            make_room_for_waves(*state);
+        }
+        const auto begun = std::make_shared<ReceivedSpectrum>(state, head);
+        const std::scoped_lock lock(mutex_);
+        std::erase_if(received_, [&](const auto& held) { // of seas that are over
+            return std::ranges::none_of(
+                sea_states_, [&](const SeaStatePtr& known) { return known->epoch == held.first; });
+        });
+        // Of a sea whose waves are held they would begin with the coarsest.
+        (received_.contains(state->epoch) ? arriving_ : received_)[state->epoch] = begun;
+    };
+    events.on_waves = [this](std::uint32_t epoch, const sea::SpectrumLeft& left,
+                             std::span<const sea::WaveBlock> blocks) -> Result<void> {
+        const auto held = [&](const auto& spectra) {
+            const std::scoped_lock lock(mutex_);
+            const auto found = spectra.find(epoch);
+            return found == spectra.end() ? nullptr : found->second;
+        };
+        const auto arriving = held(arriving_), received = held(received_);
+        const auto& spectrum = arriving ? arriving : received;
+        if (!spectrum)
+            return {}; // its sea is over
+        SEAWAY_TRY(spectrum->add(left, blocks));
+        if (!arriving || (received && arriving->left_m() > received->left_m()))
+            return {};
+        const std::scoped_lock lock(mutex_);
+        received_[epoch] = arriving;
+        arriving_.erase(epoch);
+        return {};
+    };
+}
 
 bool Client::holds_waves_held(const SeaStatePtr& state, int depth) const {
     if (rebuilt_.contains(state->epoch))

@@ -2,8 +2,13 @@
 #include "client/looks.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+
+#include <fmt/format.h>
+
+#include "client/link/failure.h"
 
 namespace seaway::client {
 
@@ -85,6 +90,17 @@ std::uint32_t felt_cascades(const SeaState& state, const Looking& looking) {
         if (looking.feels(c, state.cascades[c].k_lo_radpm))
             felt |= 1u << c;
     return felt;
+}
+
+Result<void> check_cascades(const SeaState& state, const Looking& looking) {
+    const std::size_t count = state.cascades.size();
+    if ((looking.cascades & ((1u << count) - 1)) != 0)
+        return {};
+    return failed(Failure::bad_argument,
+                  looking.cascades == 0
+                      ? std::string("no cascade is chosen")
+                      : fmt::format("there is no cascade {}; the sea has {}, from 0 on",
+                                    std::countr_zero(looking.cascades), count));
 }
 
 void lie_flat(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,

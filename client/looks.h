@@ -28,6 +28,9 @@ using sea::Looking;
 /// The cascades of a sea that are left.
 std::uint32_t felt_cascades(const SeaState& state, const Looking& looking);
 
+/// Fails where cascades were chosen and the sea has none of them: that is a mistake, and no flat sea.
+Result<void> check_cascades(const SeaState& state, const Looking& looking);
+
 /// Of a sea of which nothing is felt. `terms`: one a point, or none.
 void lie_flat(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
               std::span<sea::ErrorTerms> terms);

@@ -145,9 +145,10 @@ seaway_code seaway_get_state(seaway_client* client, seaway_state* state);
 
 typedef struct seaway_cascade {
     uint32_t size;
-    uint32_t grid;         /* points a side of a whole map */
-    double length_m;       /* of its tile, which repeats */
-    double longest_wave_m; /* infinite for the first cascade */
+    uint32_t grid;   /* points a side of a whole map */
+    double length_m; /* of its tile, which repeats */
+    double
+        longest_wave_m; /* of its band, or one that was given by hand; infinite where nothing bounds it */
     double shortest_wave_m;
     int64_t interval_us; /* between keyframes */
     double choppiness_x; /* of all cascades, at the time asked about */
@@ -178,9 +179,10 @@ seaway_code seaway_rebuild(seaway_client* client, int64_t time_us);
 /* Which waves count. */
 typedef struct seaway_looking {
     uint32_t size;
-    uint32_t cascades; /* bit c: cascade c; 0: all */
+    uint32_t
+        cascades; /* bit c: cascade c; 0: all. Where the sea has none of these: SEAWAY_BAD_ARGUMENT */
     /* A hull that is L long does not feel waves that are much shorter. Cascades all of whose waves are shorter are left out;
-     * shorter waves of a cascade that has longer ones too stay. 0: all waves. error_m is then of the water that is left. */
+     * shorter waves of a cascade that has longer ones too stay. 0 to 1e9; 0: all waves. error_m is then of the water that is left. */
     double min_wavelength_m;
 } seaway_looking;
 

@@ -34,7 +34,8 @@ static seaway_hull barrel(void) {
 }
 
 static int complain(const char* what) {
-    fprintf(stderr, "buoy: %s: %s\n", what, seaway_last_error());
+    const char* why = seaway_last_error(); /* empty where the hull itself takes no such step */
+    fprintf(stderr, "buoy: %s%s%s\n", what, *why ? ": " : " is refused", why);
     return 1;
 }
 

@@ -73,7 +73,8 @@ std::vector<Row> sail(seaway::Sea& sea, double seconds) {
         const int64_t time_us = begin_us + static_cast<int64_t>(std::llround(1e6 * step_s * i));
         if (seaway_hull_ride(&hull, &body, seaway_water_of_client, sea.handle(), time_us, step_s,
                              points.data(), answers.data()) != SEAWAY_OK)
-            throw std::runtime_error(seaway_last_error());
+            throw std::runtime_error(*seaway_last_error() ? seaway_last_error()
+                                                          : "the hull takes no such step");
         steer(body);
         rows.push_back(row_of(body, answers, step_s * i));
     }

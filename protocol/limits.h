@@ -73,6 +73,10 @@ inline constexpr std::uint32_t spectra_max = 4;
 inline constexpr std::size_t sea_states_told = 64;
 inline constexpr std::size_t sea_states_held = 256;
 
+/// Of a sea, each of so many bytes. What a server has to say beyond that it says in its log.
+inline constexpr std::size_t warnings_max = 128;
+inline constexpr std::size_t warning_bytes_max = 1024;
+
 /// Bound on a slope that a SubscribeSpectrum may wish for: what is as coarse says nothing.
 inline constexpr float slope_error_max = 10.0f;
 
@@ -145,8 +149,9 @@ inline constexpr std::uint32_t keyframes_per_ack_max = 1 + credit_max;
 inline constexpr std::size_t replies_waiting_max = 64;
 inline constexpr std::size_t replies_bytes_max = 1024 * 1024;
 
-/// Durable messages (sea states) that wait for a session; one more closes it as too slow.
-inline constexpr std::size_t durable_waiting_max = 16;
+/// Durable messages (sea states, paces) that wait for a session; one more closes it as too slow. More than a newcomer is told at
+/// once of a dense timetable that runs fast; they are the same bytes for all.
+inline constexpr std::size_t durable_waiting_max = sea_states_told;
 
 /// For how long a GoAway may ask a client to stay away: an hour.
 inline constexpr std::uint32_t retry_after_ms_max = 3'600'000;

@@ -305,6 +305,15 @@ Result<void> check_probes(const wire::SeaState& state) {
 
 } // namespace
 
+/// Of many the text may be the same bytes of the message.
+Result<void> check_warnings(const wire::SeaState& state) {
+    SEAWAY_TRY(in_range<std::size_t>("count of warnings", count(state.warnings()), 0,
+                                     limits::warnings_max));
+    for (flatbuffers::uoffset_t i = 0; i < count(state.warnings()); ++i)
+        SEAWAY_TRY(text_fits("warnings", state.warnings()->Get(i), limits::warning_bytes_max));
+    return {};
+}
+
 Result<void> check(const wire::SeaState& state) {
     Result<void> fine = all_of(
         in_range<std::size_t>("count of cascades", count(state.cascades()), 0,
@@ -328,7 +337,7 @@ Result<void> check(const wire::SeaState& state) {
         in_range("bottom_red", state.bottom_red(), 0.0f, 1.0f),
         in_range("bottom_green", state.bottom_green(), 0.0f, 1.0f),
         in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state),
-        check_probes(state),
+        check_probes(state), check_warnings(state),
         state.wave_law() ? check_law("wave_law.", *state.wave_law()) : Result<void>());
     if (!fine || state.cascades() == nullptr)
         return fine;

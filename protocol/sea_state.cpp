@@ -106,7 +106,11 @@ Bytes sea_state(const SeaStateValues& state) {
     const auto loss_list = built.CreateVectorOfStructs(losses);
     const auto cascade_list = built.CreateVectorOfStructs(cascades);
     const auto scene = built.CreateString(state.scene);
-    const auto warnings = built.CreateVectorOfStrings(state.warnings);
+    std::vector<std::string> said = state.warnings;
+    said.resize(std::min(said.size(), limits::warnings_max));
+    for (std::string& warning : said)
+        warning.resize(std::min(warning.size(), limits::warning_bytes_max));
+    const auto warnings = built.CreateVectorOfStrings(said);
     const wire::SeaNumbers requested = to_wire(state.requested);
     const wire::SeaNumbers realised = to_wire(state.realised);
     std::optional<wire::Glide> glide;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "base/for_want_of_memory.h"
 #include "base/undo.h"
 #include "protocol/limits.h"
 #include "sea/scene/weather.h"
@@ -154,7 +155,7 @@ void SeaDirector::run() {
         }
         if (promise)
             announce();
-        tell(asked, std::move(promise));
+        tell(asked, promise);
         lock.lock();
     }
 }
@@ -164,12 +165,9 @@ TimeUs SeaDirector::spread() const {
 }
 
 /// Who cannot be told will ask again: the change stands in the journal, or it does not.
-void SeaDirector::tell(const Asked& asked, Result<SeaPromise> promise) {
-    try {
-        asked.done(std::move(promise));
-    } catch (const std::bad_alloc&) {
+void SeaDirector::tell(const Asked& asked, const Result<SeaPromise>& promise) {
+    if (!tried_for_a_second([&] { asked.done(promise); }))
         spdlog::warn("event=change_not_told why=\"there is no memory for it\"");
-    }
 }
 
 void SeaDirector::announce() {

@@ -64,7 +64,7 @@ class SeaDirector {
     void look_for_doubt();
     /// Where there is no memory now, the next look does.
     void announce();
-    static void tell(const Asked& asked, Result<SeaPromise> promise);
+    static void tell(const Asked& asked, const Result<SeaPromise>& promise);
     /// An error, busy: this server is not sure of its sea, so that a change would be of another one, or of another time.
     Result<void> check_certain() const;
     /// An error, busy: more are promised than may be, and this one would begin soon.

@@ -44,6 +44,7 @@ void SeaDirector::follow_if_there_is_memory() {
 void SeaDirector::follow() {
     if (!journal_)
         return;
+    std::int64_t behind_since_us = behind_since_us_; // what comes from here on makes it another
     const Result<std::vector<SeaChange>> more = journal_->since(changes_);
     // Anybody is told that it is stuck. Why it is names hosts and files, which are for the log.
     std::string stuck = more ? "" : "the journal cannot be read", why = stuck;
@@ -59,7 +60,7 @@ void SeaDirector::follow() {
         }
     }
     if (stuck.empty())
-        behind_since_us_ = 0;
+        behind_since_us_.compare_exchange_strong(behind_since_us, 0);
     const std::scoped_lock lock(mutex_);
     if (!stuck.empty() && stuck != stuck_)
         spdlog::error("event=sea_follows_no_more why=\"{}\"", why);

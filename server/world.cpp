@@ -369,6 +369,8 @@ Result<std::vector<SeaChange>> World::changes_from(std::uint64_t number, std::si
 Result<std::string> World::history(std::uint64_t from) const {
     const std::uint64_t begin = std::max<std::uint64_t>(from, 1);
     SEAWAY_TRY_LET(std::vector<SeaChange> changes, changes_from(begin, history_max));
+    if (changes.empty()) // nothing differs from anything, however far back that is
+        return history_json(changes, static_cast<std::uint32_t>(from));
     // With the last scene before that ran, which the first one differs from. What lies between are paces and what lapsed.
     const auto runs = [](const SeaChange& change) { return !change.pace && !change.lapsed; };
     for (std::uint64_t first = begin, step = 1; first > 1; step = std::min(2 * step, history_max)) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -129,7 +130,16 @@ Socket::Socket(asio::ip::tcp::socket socket) : streams_(std::make_shared<Streams
 
 Socket::Socket(asio::ip::tcp::socket socket, asio::ssl::context& tls)
     : streams_(std::make_shared<Streams>()) {
-    streams_->tls.emplace(beast::tcp_stream(std::move(socket)), tls);
+    // Where OpenSSL has no memory for one more, Asio goes on with none, or throws what is no bad_alloc.
+    SSL* const one = SSL_new(tls.native_handle());
+    if (one == nullptr)
+        throw std::bad_alloc();
+    SSL_free(one);
+    try {
+        streams_->tls.emplace(beast::tcp_stream(std::move(socket)), tls);
+    } catch (const boost::system::system_error&) {
+        throw std::bad_alloc();
+    }
 }
 
 Socket::~Socket() = default;

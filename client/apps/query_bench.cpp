@@ -67,17 +67,17 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
         ++progress->under_way;
         lock.unlock();
         const auto sent = steady_clock::now();
-        client.ask_async(random_points(options.bench_points, client.now_us()),
-                         {options.exact, options.timeout_s},
-                         [progress, sent](const Result<Reply>& reply) {
-                             const std::scoped_lock inner(progress->mutex);
-                             --progress->under_way;
-                             if (reply)
-                                 progress->round_trips_ms.push_back(milliseconds_since(sent));
-                             else
-                                 progress->problem = reply.error();
-                             progress->changed.notify_all();
-                         });
+        const auto answered = [progress, sent](const Result<Reply>& reply) {
+            const std::scoped_lock inner(progress->mutex);
+            --progress->under_way;
+            if (reply)
+                progress->round_trips_ms.push_back(milliseconds_since(sent));
+            else
+                progress->problem = reply.error();
+            progress->changed.notify_all();
+        };
+        SEAWAY_TRY(client.ask_async(random_points(options.bench_points, client.now_us()),
+                                    {options.exact, options.timeout_s}, answered));
         lock.lock();
     }
     progress->changed.wait(lock, [&] { return progress->under_way == 0; });

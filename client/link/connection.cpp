@@ -81,6 +81,7 @@ void Connection::fetch(std::span<const sea::TimeUs> times_us, const protocol::Ti
 
 void Connection::subscribe_spectrum(const protocol::SpectrumWish& wish, double timeout_s,
                                     ReplyHandler handler) {
+    spectra_wanted_ = true;
     requests_.start(
         Lane::spectrum,
         [&](std::uint32_t request_id) { return protocol::subscribe_spectrum(request_id, wish); },
@@ -88,6 +89,7 @@ void Connection::subscribe_spectrum(const protocol::SpectrumWish& wish, double t
 }
 
 void Connection::unsubscribe_spectrum() {
+    spectra_wanted_ = false;
     send(protocol::unsubscribe(true));
     // What was to come of waves comes no more, and nobody says so: its place would be taken for ever.
     requests_.abandon(Lane::spectrum, failed(Failure::refused, "unsubscribed meanwhile"));
@@ -290,7 +292,8 @@ Result<void> Connection::take(const wire::Spectrum& spectrum) {
     spectrum_epoch_ = head.epoch;
     next_chunk_ = 0;
     chunks_ = head.chunks;
-    if (events_.on_spectrum)
+    spectrum_taken_ = spectra_wanted_; // else it was under way, or nobody ever asked
+    if (spectrum_taken_ && events_.on_spectrum)
         events_.on_spectrum(state, head);
     if (chunks_ == 0) // a calm sea
         one_spectrum_less();
@@ -304,12 +307,14 @@ Result<void> Connection::take(const wire::SpectrumChunk& chunk) {
                                  chunk.chunk(), chunk.epoch(), next_chunk_, chunks_,
                                  spectrum_epoch_)};
     ++next_chunk_;
-    const Result<std::vector<sea::WaveBlock>> blocks =
-        protocol::decode_spectrum({chunk.payload()->data(), chunk.payload()->size()});
-    if (!blocks)
-        return blocks.error();
-    if (events_.on_waves)
-        SEAWAY_TRY(events_.on_waves(chunk.epoch(), protocol::left(chunk), *blocks));
+    if (spectrum_taken_) {
+        const Result<std::vector<sea::WaveBlock>> blocks =
+            protocol::decode_spectrum({chunk.payload()->data(), chunk.payload()->size()});
+        if (!blocks)
+            return blocks.error();
+        if (events_.on_waves)
+            SEAWAY_TRY(events_.on_waves(chunk.epoch(), protocol::left(chunk), *blocks));
+    }
     if (next_chunk_ == chunks_)
         one_spectrum_less();
     return {};

@@ -225,7 +225,9 @@ class Connection {
     bool subscribes_again_ = false; ///< because of what was not predicted
     std::uint64_t last_unpredicted_ = 0;
     Acknowledgements acknowledgements_;
-    std::uint32_t spectrum_epoch_ = 0; ///< of the one that is being sent
+    std::atomic<bool> spectra_wanted_ = false;
+    bool spectrum_taken_ = false;      ///< the one that is being sent
+    std::uint32_t spectrum_epoch_ = 0; ///< of it
     std::uint32_t next_chunk_ = 0;
     std::uint32_t chunks_ = 0;
     std::uint32_t spectra_awaited_ = 0; ///< by spectrum_request_

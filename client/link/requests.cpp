@@ -2,6 +2,7 @@
 #include "client/link/requests.h"
 
 #include <new>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,6 +23,17 @@ Result<Reply> reply_of_failure(Failure kind, const Make& make) {
         return make();
     } catch (const std::bad_alloc&) {
         return failed(kind, "no memory");
+    }
+}
+
+/// One that runs out of memory itself has been told; those behind it are.
+template <class Make>
+void tell_all(std::span<const ReplyHandler> handlers, Failure kind, const Make& make) {
+    for (const ReplyHandler& handler : handlers) {
+        try {
+            handler(reply_of_failure(kind, make));
+        } catch (const std::bad_alloc&) {
+        }
     }
 }
 
@@ -153,8 +165,7 @@ void Requests::expire(TimeUs now_us) {
                 waiting = lane.waiting.erase(waiting);
             }
     }
-    for (const ReplyHandler& handler : expired)
-        handler(reply_of_failure(Failure::deadline, late));
+    tell_all(expired, Failure::deadline, late);
 }
 
 void Requests::abandon(Lane lane, const Error& error) {
@@ -171,8 +182,7 @@ void Requests::abandon(Lane lane, const Error& error) {
         state(lane).waiting.clear();
         state(lane).in_flight = 0;
     }
-    for (const ReplyHandler& handler : failed_handlers)
-        handler(reply_of_failure(failure_of(error), [&] { return error; }));
+    tell_all(failed_handlers, failure_of(error), [&] { return error; });
 }
 
 void Requests::fail_all(const Error& error) {

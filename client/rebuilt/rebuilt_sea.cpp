@@ -13,11 +13,6 @@
 namespace seaway::client {
 namespace {
 
-/// A nanometre, and what rounding leaves of a coordinate far out.
-double tolerance_m(const sea::QueryPoint& point) {
-    return 1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
-}
-
 Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Realization& waves) {
     bool same = state.cascades.size() == waves.cascades.size();
     for (std::size_t c = 0; same && c < waves.cascades.size(); ++c)
@@ -29,6 +24,10 @@ Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Reali
 }
 
 } // namespace
+
+double RebuiltSea::tolerance_m(const sea::QueryPoint& point) {
+    return 1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
+}
 
 RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
                        const RebuiltError& error, sea::WaveGrowth growth)

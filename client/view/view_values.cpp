@@ -11,7 +11,7 @@ namespace seaway::client {
 namespace {
 
 constexpr double detail_turn_rad = 0.37;
-/// Gravity waves give way to capillary ones here, and slopes fade, rad/m (Cox and Munk 1954).
+/// Gravity waves give way to capillary ones here, and slopes fade, rad/m (Elfouhaily, Chapron, Katsaros and Vandemark 1997).
 constexpr double shortest_waves_radpm = 370;
 /// Width of the Jacobian's range at the edge of a breaking crest, where a pixel resolves everything.
 constexpr double breaking_softness = 0.03;
@@ -100,7 +100,7 @@ void set_water(shaders::ViewValues& out, const SeaFrame& frame, const Sky& sky) 
     out.water.floor_attenuation_per_m = narrow(look.floor_attenuation_per_m);
 }
 
-/// Rows of foam along the wind begin at 10 m/s (Beaufort 5 to 6), where foam covers half a percent.
+/// Rows of foam along the wind begin at 9 m/s (Beaufort 5), where foam covers half a percent.
 void set_rows_of_wind(shaders::ViewValues& out, const SeaFrame& frame, const glm::dvec2& camera_m) {
     constexpr double first_cover = 0.005, full_cover = 0.02, strongest = 0.8;
     const double azimuth_rad = glm::radians(90 - (frame.mean_from_deg + 180));

@@ -36,7 +36,7 @@ struct WaveLaw {
 };
 
 /// Width over height of the orbit that water runs at the surface, coth(k d) (Airy; Dean and
-/// Dalrymple 1991, 3.4): by so much a wave moves water further sideways than up and down. Exactly 1
+/// Dalrymple 1991, 4): by so much a wave moves water further sideways than up and down. Exactly 1
 /// above k d = 20. Below orbit_kd_min linear theory has ended and it grows no further, coth(0.05)
 /// = 20.02. k > 0.
 double orbit_aspect(double k_radpm, double depth_m);

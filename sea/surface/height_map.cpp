@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/check.h"
+#include "base/for_want_of_memory.h"
 #include "sea/surface/maps/hermite.h"
 
 namespace seaway::sea {
@@ -172,8 +173,8 @@ void MapStream::work() {
             stopping_ = true;
         }
         changed_.notify_all();
-        if (options_.on_ready)
-            options_.on_ready();
+        if (options_.on_ready) // which may need memory itself
+            (void)tried_for_a_second(options_.on_ready);
     }
 }
 

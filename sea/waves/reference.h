@@ -63,7 +63,7 @@ class DirectSum {
         /// waves have. Stylised waves have no water below them. Costs an at() or two and up to three exponentials a pair: of
         /// a gale some 100 us.
         ///     u, v   a w cosh(k (z + d)) / sinh(kd)           w   a w sinh(k (z + d)) / sinh(kd)
-        ///     -d phi / dt   a w^2/k cosh(k (z + d)) / sinh(kd)      (Dean and Dalrymple 1991, 4.1 and 4.4)
+        ///     -d phi / dt   a w^2/k cosh(k (z + d)) / sinh(kd)      (Dean and Dalrymple 1991, 4)
         WaterMotion motion(double x_m, double y_m, double still_z_m) const;
 
         /// One cascade over x_low .. x_high, y_low .. y_high and two lattice steps around: what a

@@ -108,22 +108,36 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         });
     }
 
+    /// What has come counts; where there is no memory for it the connection ends.
+    auto then(void (HttpConnection::*next)(error_code)) {
+        return [self = shared_from_this(), next](error_code error, std::size_t bytes) {
+            self->peer_.address->request_bytes.take(static_cast<double>(bytes), Clock::now());
+            try {
+                ((*self).*next)(error);
+            } catch (const std::bad_alloc&) {
+                self->socket_.close();
+                throw;
+            }
+        };
+    }
+
     void read_now() {
         parser_.emplace();
         parser_->header_limit(header_bytes_max);
         parser_->body_limit(body_bytes_max);
         socket_.expires_after(core().options.http_deadline);
-        http::async_read(socket_, buffer_, *parser_,
-                         [self = shared_from_this()](error_code error, std::size_t bytes) {
-                             self->peer_.address->request_bytes.take(static_cast<double>(bytes),
-                                                                     Clock::now());
-                             try {
-                                 self->on_request(error);
-                             } catch (const std::bad_alloc&) {
-                                 self->socket_.close();
-                                 throw;
-                             }
-                         });
+        http::async_read_header(socket_, buffer_, *parser_, then(&HttpConnection::on_header));
+    }
+
+    void on_header(error_code error) {
+        if (error || parser_->is_done())
+            return on_request(error);
+        // Who waits to be told to go on with a body would wait for ever (RFC 9110, 10.1.1).
+        if (parser_->get().count(http::field::expect) > 0) {
+            awaits_.leave();
+            return respond({.status = 417, .body = "no page takes a body\n"}, false, false);
+        }
+        http::async_read(socket_, buffer_, *parser_, then(&HttpConnection::on_request));
     }
 
     void on_request(error_code error) {

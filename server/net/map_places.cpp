@@ -2,11 +2,15 @@
 #include "server/net/map_places.h"
 
 #include <algorithm>
+#include <new>
 #include <utility>
+
+#include "base/undo.h"
 
 namespace seaway::server {
 
 bool MapPlaces::ask(const AddressPtr& address, Begin begin, Waits waits) {
+    take_returned(state_);
     forget_who_left(*state_);
     if (state_->taken < state_->most) {
         ++state_->by_address[address.get()];
@@ -43,6 +47,7 @@ bool MapPlaces::make_room() {
 }
 
 void MapPlaces::look_again() {
+    take_returned(state_);
     forget_who_left(*state_);
     if (static_cast<int>(state_->waiting.size()) > state_->ending)
         make_room();
@@ -79,15 +84,38 @@ void MapPlaces::stop() {
 }
 
 MapPlaces::Place MapPlaces::place(const std::shared_ptr<State>& state, const AddressPtr& address) {
+    Undo counted([&] { give_back(*state, address); });
+    auto one = std::make_shared<std::list<Returned>>(1, Returned{address});
+    counted.keep(); // what fails from here on gives it back as any place
     ++state->taken;
-    return Place(state.get(), GiveBack{state, address});
+    return Place(state.get(), GiveBack{state, std::move(one)});
 }
 
-void MapPlaces::gave_back(const std::shared_ptr<State>& state, const AddressPtr& address,
-                          bool had_ended) {
+void MapPlaces::GiveBack::operator()(void*) const {
+    {
+        const std::scoped_lock lock(state->mutex);
+        state->returned.splice(state->returned.end(), *place);
+    }
+    try {
+        state->post([state = state] { take_returned(state); });
+    } catch (const std::bad_alloc&) { // who asks next takes it, or the server's watch
+    }
+}
+
+void MapPlaces::take_returned(const std::shared_ptr<State>& state) {
+    std::list<Returned> returned;
+    {
+        const std::scoped_lock lock(state->mutex);
+        returned.swap(state->returned);
+    }
+    for (const Returned& one : returned)
+        gave_back(state, one);
+}
+
+void MapPlaces::gave_back(const std::shared_ptr<State>& state, const Returned& returned) {
     --state->taken;
-    state->ending -= had_ended;
-    give_back(*state, address);
+    state->ending -= returned.ended;
+    give_back(*state, returned.address);
     forget_who_left(*state);
     if (state->waiting.empty() || state->taken >= state->most)
         return;

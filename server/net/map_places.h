@@ -10,8 +10,10 @@
 #include <chrono>
 #include <deque>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "server/net/addresses.h"
@@ -54,7 +56,7 @@ class MapPlaces {
     /// That place will come back soon.
     void ends(const Place& place) {
         ++state_->ending;
-        std::get_deleter<GiveBack>(place)->ends = true;
+        std::get_deleter<GiveBack>(place)->place->front().ended = true;
     }
 
     /// Those who wait are forgotten.
@@ -66,6 +68,11 @@ class MapPlaces {
         Begin begin;
         Waits waits; ///< false: it has left
     };
+    /// What a place takes to be given back, made when it is taken: it may come back where there is no memory.
+    struct Returned {
+        AddressPtr address;
+        bool ended = false;
+    };
     struct State {
         int most = 0;
         int taken = 0;
@@ -73,20 +80,17 @@ class MapPlaces {
         std::deque<Waiting> waiting;
         std::map<const Address*, int> by_address; ///< places that each has or waits for
         Post post;
+        std::mutex mutex;
+        std::list<Returned> returned; ///< by any thread, until the io thread takes them
     };
     struct GiveBack {
         std::shared_ptr<State> state;
-        AddressPtr address;
-        bool ends = false;
-        void operator()(void*) const {
-            state->post([state = state, address = address, ends = ends] {
-                gave_back(state, address, ends);
-            });
-        }
+        std::shared_ptr<std::list<Returned>> place; ///< one
+        void operator()(void*) const;
     };
     static Place place(const std::shared_ptr<State>& state, const AddressPtr& address);
-    static void gave_back(const std::shared_ptr<State>& state, const AddressPtr& address,
-                          bool had_ended);
+    static void take_returned(const std::shared_ptr<State>& state);
+    static void gave_back(const std::shared_ptr<State>& state, const Returned& returned);
     void wait(const AddressPtr& address, Begin begin, Waits waits);
     static void forget_who_left(State& state);
     static void give_back(State& state, const AddressPtr& address);

@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "base/for_want_of_memory.h"
 #include "server/net/fetch_job.h"
 #include "server/net/session.h"
 
@@ -25,10 +26,14 @@ bool Session::ask_behind(Ask ask, Take take) {
                 return no_memory();
             }
         };
-        core->post([weak, id, take, said = answer()] {
-            const std::shared_ptr<Core> here = weak.lock();
-            if (Session* found = here ? here->find(id) : nullptr)
-                found->or_drop([&] { take(*found, said); });
+        const auto said = answer();
+        // It is counted until it is told.
+        (void)tried_for_a_second([&] {
+            core->post([weak, id, take, said] {
+                const std::shared_ptr<Core> here = weak.lock();
+                if (Session* found = here ? here->find(id) : nullptr)
+                    found->or_drop([&] { take(*found, said); });
+            });
         });
         return true;
     };

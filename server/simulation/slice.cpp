@@ -4,11 +4,11 @@
 #include <chrono>
 #include <new>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/for_want_of_memory.h"
 #include "server/host/refusal.h"
 
 namespace seaway::server {
@@ -29,13 +29,7 @@ Error no_memory() {
 void refuse_surely(const Question& question, const Error& why) {
     if (question.askers)
         return question.refuse(why);
-    for (int attempt = 0; attempt < 100; ++attempt) {
-        try {
-            return question.refuse(why);
-        } catch (const std::bad_alloc&) { // others give some back soon
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        }
-    }
+    (void)tried_for_a_second([&] { question.refuse(why); }); // others give some back soon
 }
 
 bool answered(Questions& questions, Question& question, const std::function<bool()>& slice) {
@@ -79,13 +73,18 @@ void refuse_and_end(Questions& questions, Question& question, const Why& why) {
 } // namespace
 
 void work_on_slice(Questions& questions, Question question) {
-    std::function<bool()> slice; // goes on when the question has been put back
-    try {
-        slice = question.slice;
-    } catch (const std::bad_alloc&) {
-        return refuse_and_end(questions, question, no_memory);
+    const bool gone = !question.prompt && question.asker.gone();
+    {
+        std::function<bool()> slice; // goes on when the question has been put back
+        try {
+            slice = question.slice;
+        } catch (const std::bad_alloc&) {
+            return refuse_and_end(questions, question, no_memory);
+        }
+        work_on_slice(questions, std::move(question), slice);
     }
-    work_on_slice(questions, std::move(question), slice);
+    if (gone)
+        questions.wake(); // what it held is free by now: the turn of foam, for one
 }
 
 void work_on_slice(Questions& questions, Question question, const std::function<bool()>& slice) {

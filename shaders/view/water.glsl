@@ -5,7 +5,7 @@
 // Mean Fresnel and sun term after Bruneton, Neyret, Holzschuch 2010; the mean reflected sky is a
 // quadrature over the slopes that face the eye.
 
-const float reflectance_at_normal = 0.02; // water, n = 1.33
+const float reflectance_at_normal = 0.02; // sea water, of n 1.33 to 1.34
 const float reflectance_of_waves = 0.06; // the same at 60 degrees: of a wave that a reflected ray meets
 
 float schlick(float cosine) {
@@ -155,7 +155,7 @@ vec3 water_body(vec3 to_eye, vec3 normal, Place place, float jacobian) {
 }
 
 /// Foam scatters as a sheet does, by its own bumps: tilted faces are larger, so their normals are not of unit length, and
-/// bumps send back what a sheet would. Wet foam reflects 0.5 to 0.6 (Whitlock 1982): less at thin edges.
+/// bumps send back what a sheet would. Wet foam reflects 0.54 of light (Whitlock 1982; Koepke 1984): less at thin edges, and more in the middle, by eye.
 vec3 foam_radiance(Foam foam, vec3 normal) {
     const vec3 bumped = normal + vec3(foam.tilt, 0.0);
     const float albedo = mix(0.5, 0.7, foam.thick);

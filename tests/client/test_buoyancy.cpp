@@ -305,6 +305,18 @@ TEST(Buoyancy, water_whose_normal_has_no_length_is_refused) {
     EXPECT_EQ(box.body.velocity_mps[2], 0);
 }
 
+// Naive: a depth that is no number is not below the water, and the hull falls as through air.
+TEST(Buoyancy, points_that_are_no_numbers_are_refused) {
+    Floating box;
+    ASSERT_EQ(box.ride(still_water, 0, 0.1), SEAWAY_OK);
+    for (const double wrong : {std::nan(""), HUGE_VAL}) {
+        box.points[5].x_m = wrong;
+        EXPECT_EQ(
+            seaway_hull_step(&box.hull, &box.body, box.points.data(), box.answers.data(), 0.1),
+            SEAWAY_BAD_ARGUMENT);
+    }
+}
+
 TEST(Buoyancy, a_hull_without_parts_takes_no_step) {
     Floating box;
     box.hull.triangle_count = 0;
@@ -380,6 +392,18 @@ TEST(Buoyancy, a_hull_that_cannot_float_is_told_why) {
     EXPECT_NE(fault([](Floating& box) { box.triangles[7] = 8; }), "");
     EXPECT_NE(fault([](Floating& box) { box.hull.triangle_count = 0; }), "");
     EXPECT_EQ(fault([](Floating& box) { box.hull.triangle_count = 11; }), "the mesh is not closed");
+    const auto columns = [&](std::vector<double> volumes_m3, double column_m) {
+        return fault([&](Floating& box) {
+            box.hull.triangle_count = 0;
+            box.hull.vertex_count = volumes_m3.size();
+            box.hull.volumes_m3 = volumes_m3.data();
+            box.hull.column_m = column_m;
+        });
+    };
+    EXPECT_EQ(columns({0, 3}, 1), "");
+    EXPECT_EQ(columns({-1, 3}, 1), "a volume must be 0 or more");
+    EXPECT_EQ(columns({HUGE_VAL, 3}, 1), "a volume must be 0 or more");
+    EXPECT_NE(columns({1, 3}, HUGE_VAL), "");
     EXPECT_EQ(fault([](Floating& box) {
                   for (int i = 0; i < 36; i += 3)
                       std::swap(box.triangles[i], box.triangles[i + 1]);

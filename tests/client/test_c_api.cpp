@@ -324,6 +324,14 @@ TEST_F(CInterface, a_timeout_of_zero_is_the_default_for_every_question) {
     seaway_disconnect(client);
 }
 
+// Naive: as a float it is 0, which is the server's choice.
+TEST_F(CInterface, a_bound_that_no_float_is_as_small_as_is_wished_for_as_the_smallest) {
+    Sea sea(url);
+    const seaway_subscription wanted{1e-60, 2, 0, 0};
+    ASSERT_EQ(seaway_subscribe(sea.handle(), &wanted), SEAWAY_OK);
+    EXPECT_EQ(sea_served.wished_error_m, std::numeric_limits<float>::min());
+}
+
 TEST_F(CInterface, limits_of_a_stream_are_taken_up_to_their_own_and_refused_by_name_beyond_them) {
     Sea sea(url);
     for (const auto& [rate_hz, size, fine] : {std::tuple(1.0, 32u, true),

@@ -71,6 +71,55 @@ TEST_F(Engine, a_cascade_that_no_sea_has_is_refused) {
     }
 }
 
+// Naive: a program that counts cascades from 1 sails on still water, without a word.
+TEST_F(Engine, cascades_that_the_sea_has_not_are_refused_by_name_whatever_is_held) {
+    seaway_looking looking = SEAWAY_SIZED(seaway_looking);
+    looking.cascades = 1u << 7;
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.looking = &looking;
+    const std::vector<seaway_point> points = places(2);
+    const double z_m[2] = {-1, -1};
+    std::vector<seaway_answer> answers(points.size());
+    std::vector<seaway_water> water(points.size());
+    std::vector<seaway_below> below(points.size());
+    Sea client(net->url());
+    for (const int held : {0, 1, 2}) {
+        if (held > 0)
+            hold_sea(client, held == 1);
+        const auto named = testing::HasSubstr("there is no cascade 7; the sea has 2");
+        EXPECT_THAT(refusal(seaway_sample_as(client.handle(), &how, points.data(), points.size(),
+                                             answers.data())),
+                    named);
+        EXPECT_THAT(refusal(seaway_sample_water(client.handle(), &looking, points.data(),
+                                                points.size(), water.data(), sizeof(seaway_water))),
+                    named);
+        EXPECT_THAT(refusal(seaway_query_some(client.handle(), &looking, points.data(),
+                                              points.size(), 0, 10, answers.data())),
+                    named);
+        if (held == 2) {
+            EXPECT_THAT(
+                refusal(seaway_sample_below(client.handle(), &looking, points.data(), z_m,
+                                            points.size(), below.data(), sizeof(seaway_below))),
+                named);
+        }
+    }
+    looking.cascades = 1u << 7 | 1u; // beside one that it has
+    EXPECT_EQ(seaway_sample_as(client.handle(), &how, points.data(), points.size(), answers.data()),
+              SEAWAY_OK);
+}
+
+// Naive: the server says so, a round trip and a place among those that may be open later.
+TEST_F(Engine, a_question_of_what_is_out_of_range_is_never_open) {
+    Sea client(net->url());
+    std::uint64_t question = 0;
+    for (const seaway_point& point :
+         {seaway_point{1e10, 2, asked_us}, seaway_point{1, 2, std::numeric_limits<int64_t>::max()}})
+        for (int i = 0; i < 300; ++i)
+            EXPECT_EQ(seaway_ask(client.handle(), &point, 1, 0, 60, &question),
+                      SEAWAY_BAD_ARGUMENT);
+    EXPECT_EQ(question, 0u);
+}
+
 TEST_F(Engine, a_question_is_pending_until_its_deadline_unless_it_is_cancelled) {
     sea.answer_queries = false;
     Sea client(net->url());
@@ -221,7 +270,8 @@ TEST_F(Foam, of_another_time_is_told_of_and_takes_nothing_from_the_heights) {
         return water.answer.flags;
     };
     seaway_looking flat = SEAWAY_SIZED(seaway_looking);
-    flat.cascades = 1u << 7; // which this sea has not
+    flat.cascades = 2;
+    flat.min_wavelength_m = 1e9; // than which all of its waves are shorter
     constexpr std::uint32_t late = SEAWAY_FOAM_LATE, stale = SEAWAY_STALE;
     EXPECT_EQ(look(nullptr), late);
     EXPECT_EQ(look(&flat), late);

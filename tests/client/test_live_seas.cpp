@@ -111,6 +111,11 @@ TEST_F(LiveSeas, where_the_keyframes_of_a_sea_are_late_the_one_before_goes_on) {
     ASSERT_TRUE(after) << after.error().message;
     EXPECT_EQ(after->at(0).flags, unsigned{sea::answer_extrapolated});
     EXPECT_EQ(after->at(0).height_m, before.height_m);
+    const Result<std::vector<Water>> seen = client->look({&now, 1}, {}); // with all that moves it
+    ASSERT_TRUE(seen) << seen.error().message;
+    EXPECT_EQ(seen->at(0).answer.flags, unsigned{sea::answer_extrapolated});
+    EXPECT_EQ(seen->at(0).answer.height_m, before.height_m);
+    EXPECT_TRUE(std::isfinite(seen->at(0).displacement_m[0]));
 }
 
 // Naive: in order of their starts, one that was to come later takes over from the one that took over from it.

@@ -215,10 +215,10 @@ class Comparison:
         self.rounds = 0
         self.wrong = []
 
-    def ask(self, name, points):
+    def ask(self, name, points, timeout_s=5):
         text = "".join(f"{x},{y},{t}\n" for x, y, t in points)
         said = subprocess.run([self.fleet.bin / "seaway-query", f"ws://127.0.0.1:{self.fleet.ports[name][0]}",
-                               "--points", "-", "--format", "csv"],
+                               "--points", "-", "--format", "csv", "--timeout", str(timeout_s)],
                               input=text, capture_output=True, text=True, check=False)
         if said.returncode != 0:
             self.why_not = f"exit code {said.returncode}: {said.stderr.strip()}"
@@ -254,7 +254,7 @@ class Comparison:
         for watcher in watchers:
             for first in range(0, len(watcher.rows), 500):
                 rows = watcher.rows[first:first + 500]
-                truth = self.ask("a", [(row["x_m"], row["y_m"], row["t_s"]) for row in rows])
+                truth = self.ask("a", [(row["x_m"], row["y_m"], row["t_s"]) for row in rows], 100)
                 if truth is None:
                     sys.exit(f"server a does not say what was true of what was sampled: {self.why_not}")
                 for row, true in zip(rows, truth):

@@ -90,5 +90,20 @@ TEST(PredictedStream, is_whole_once_for_who_begins_and_for_who_joins_and_both_ha
         << tests::ask_http(port, "/metrics", "GET").body;
 }
 
+// From where the device made them to the encoder and to answers; a GPU whose memory no processor reads copies each once.
+TEST(PredictedStream, of_a_device_whose_memory_is_read_in_place_copies_no_keyframe) {
+    tests::ServerProcess server(
+        {"scenes/north_sea_gale.toml", "--device", "0", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    Follower(url).wait_for(30);
+    const int port = tests::port_of(url);
+    const double keyframes = metric(port, "seaway_keyframes_total");
+    const bool in_place = server.log().find("llvmpipe") != std::string::npos;
+    EXPECT_GE(keyframes, 30);
+    const double copied = metric(port, "seaway_keyframes_copied_total");
+    EXPECT_EQ(copied > 0, !in_place) << copied;
+}
+
 } // namespace
 } // namespace seaway

@@ -299,6 +299,7 @@ class ReadJournal : public testing::Test {
         world.read_by([this](std::uint32_t epoch, std::size_t most) {
             Result<std::vector<SeaChange>> those = some(changes, epoch, most);
             read += those->size();
+            ++asked;
             return those;
         });
     }
@@ -322,6 +323,7 @@ class ReadJournal : public testing::Test {
 
     std::vector<SeaChange> changes{{1, 0, 0, sea::to_toml(scene())}};
     std::size_t read = 0; ///< changes that were handed over
+    int asked = 0;
     const std::shared_ptr<SeaCourse> course = SeaCourse::begin(scene()).value();
     SeaClock clock{0, [] { return std::int64_t{5'000'000'000}; }, [] { return std::int64_t{0}; }};
     World world{course, clock};
@@ -364,6 +366,15 @@ TEST_F(ReadJournal, no_more_is_read_than_is_told_however_long_it_is) {
     read = 0;
     (void)world.scene_of_change(3100).value();
     EXPECT_EQ(read, 1u);
+}
+
+// Naive: the scene before the first that is told of is looked for, number by number from where nothing has ever been: minutes.
+TEST_F(ReadJournal, a_history_of_what_has_no_number_yet_is_empty_at_once) {
+    for (const std::uint64_t from : {std::uint64_t{2}, std::uint64_t{4'294'967'295}}) {
+        asked = 0;
+        EXPECT_TRUE(nlohmann::json::parse(world.history(from).value())["changes"].empty());
+        EXPECT_EQ(asked, 1) << from;
+    }
 }
 
 // Four lines a change, two hundred changes: a table's line would fill the answer alone.

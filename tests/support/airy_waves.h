@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ten waves of linear theory at finite depth, as handbooks tabulate them (Airy; Shore Protection
-// Manual 1984, 2.23; Dean and Dalrymple 1991, 3.4), and the scene that has one of them alone.
+// Manual 1984, 2.23; Dean and Dalrymple 1991, 4), and the scene that has one of them alone.
 #pragma once
 
 #include <cmath>

@@ -3,7 +3,7 @@
 // sends itself. shaders/view/sky.glsl has the same formula; a test holds the two together.
 //
 // A slab at the height of the base whose optical depth is noise above a threshold. From below one sees
-// light that came through it, by a two-stream solution (Tdiff = 1 / (1 + 0.75 (1 - g) tau), Bohren 1987),
+// light that came through it, by a two-stream solution (Eddington's: Tdiff = 1 / (1 + 0.75 (1 - g) tau), Shettle and Weinman 1970),
 // from above what it turns back, and around the sun the light that went straight on, in two lobes.
 // Clouds far away fade into the air like the sea does. A value; pure; thread-safe.
 #pragma once

@@ -62,7 +62,8 @@ GridPosition grid_position(double x_m, double length_m, int size) {
     // Reduced in double before anything becomes float (hard cases G1, G2).
     const double turns = x_m / length_m;
     const double u = (turns - std::floor(turns)) * size;
-    const int index = std::min(static_cast<int>(u), size - 1);
+    // A search in a map without bounds may ask where there is no number.
+    const int index = u < size - 1 ? static_cast<int>(u) : size - 1;
     return {index, static_cast<float>(u - index)};
 }
 

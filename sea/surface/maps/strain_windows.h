@@ -37,8 +37,8 @@ class StrainWindows {
     Cell cell(double x_m, double y_m) const {
         const auto along = [this](double position_m) {
             const double turns = position_m / length_m_;
-            const int line = static_cast<int>((turns - std::floor(turns)) * size_);
-            return line < size_ ? line : size_ - 1;
+            const double line = (turns - std::floor(turns)) * size_;
+            return line < size_ - 1 ? static_cast<int>(line) : size_ - 1; // of no number, too
         };
         return {along(x_m), along(y_m)};
     }

@@ -91,8 +91,8 @@ class ConnectionTest : public ::testing::Test {
         };
     }
 
-    Result<std::unique_ptr<Connection>> open(double timeout_s = 0.05) {
-        ConnectionEvents events;
+    Result<std::unique_ptr<Connection>> open(double timeout_s = 0.05,
+                                             ConnectionEvents events = {}) {
         events.on_keyframe = [this](const HeldKeyframePtr& held) { keyframes.push_back(held); };
         events.on_closed = [this](const Error& reason) {
             lost = reason.message;

@@ -89,6 +89,60 @@ TEST_F(ConnectionTest, h6_values_out_of_range_and_unasked_answers_end_it) {
     }
 }
 
+// Naive: each text is copied, and may be the same 300 KB of the message ten thousand times.
+TEST_F(ConnectionTest, h6_more_warnings_than_a_sea_may_have_end_it) {
+    protocol::SeaStateValues state;
+    state.epoch = 1;
+    state.cascades.push_back({.length_m = 10, .size = 16, .interval_us = 100'000});
+    for (const bool many : {true, false}) {
+        flatbuffers::FlatBufferBuilder built;
+        const auto text = built.CreateString(std::string(many ? 10 : 300'000, 'x'));
+        const std::vector<flatbuffers::Offset<flatbuffers::String>> texts(many ? 10'000 : 10, text);
+        const auto warnings = built.CreateVector(texts);
+        wire::SeaStateBuilder sea(built);
+        sea.add_epoch(1);
+        sea.add_warnings(warnings);
+        const auto body = sea.Finish();
+        built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
+                     wire::MessageIdentifier());
+        server.open = true;
+        server.closed_because.clear();
+        const auto connection = open();
+        ASSERT_TRUE(connection);
+        server.send({built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()});
+        EXPECT_NE(server.closed_because.find("warnings"), std::string::npos)
+            << server.closed_because;
+    }
+    state.warnings.assign(1000, std::string(10'000, 'x'));
+    server.open = true;
+    const auto connection = open();
+    ASSERT_TRUE(connection);
+    server.send(protocol::sea_state(state));
+    EXPECT_TRUE((*connection)->is_open()) << server.closed_because;
+}
+
+// Naive: what was never asked for is held: a few hundred of the largest seas that there may be.
+TEST_F(ConnectionTest, waves_that_nobody_asked_for_are_passed_over) {
+    int spectra = 0;
+    ConnectionEvents events;
+    events.on_spectrum = [&](const auto&, const auto&) { ++spectra; };
+    const auto connection = open(0.05, std::move(events));
+    ASSERT_TRUE(connection);
+    const protocol::Bytes empty = protocol::spectrum({.epoch = 1,
+                                                      .chunks = 0,
+                                                      .steps = {0.0000625, 2.5},
+                                                      .dispersion = {9.75, 0.0000625, 95.5}});
+    server.send(empty);
+    EXPECT_TRUE((*connection)->is_open());
+    EXPECT_EQ(spectra, 0);
+    (*connection)->subscribe_spectrum({}, 10, [](const auto&) {});
+    server.send(empty);
+    EXPECT_EQ(spectra, 1);
+    (*connection)->unsubscribe_spectrum();
+    server.send(empty);
+    EXPECT_EQ(spectra, 1) << "it was under way";
+}
+
 // Naive: a keyframe has the size that its first tile says. Beside one of another size it is sampled
 // beyond its end.
 TEST_F(ConnectionTest, h6_tiles_of_another_size_than_their_sea_announced_end_it) {

@@ -117,6 +117,25 @@ TEST_F(RequestsTest, of_a_lane_that_is_abandoned_fail_and_the_next_one_is_sent) 
     EXPECT_TRUE(requests.finish(Lane::query, sent[1], Reply())) << "others go on";
 }
 
+// Naive: one who runs out of memory when he is told takes those behind him along, and they wait for ever.
+TEST_F(RequestsTest, are_all_told_also_behind_one_that_has_no_memory_for_it) {
+    for (const bool late : {false, true}) {
+        outcomes.clear();
+        for (int i = 0; i < 3; ++i) {
+            start(Lane::query);
+            requests.start(
+                Lane::query, [](std::uint32_t) { return protocol::Bytes(8); }, 1000,
+                [](const Result<Reply>&) { throw std::bad_alloc(); });
+        }
+        if (late)
+            requests.fail_all(failed(Failure::lost, "gone"));
+        else
+            requests.expire(1000);
+        for (const std::string& outcome : outcomes)
+            EXPECT_NE(outcome, "open") << late;
+    }
+}
+
 TEST_F(RequestsTest, fail_when_they_are_given_up) {
     std::string outcome;
     {

@@ -160,8 +160,8 @@ SeaFrame white_sea() {
     return frame;
 }
 
-// Wet foam reflects six tenths (Whitlock 1982) of what falls on it: of the sky and of the beam of the sun
-// by the sine of its height.
+// Foam between thin and thick reflects six tenths of what falls on it (Whitlock 1982 has 0.54): of the sky and of the beam of the
+// sun by the sine of its height.
 TEST_F(ViewsTest, a_sea_that_is_all_foam_is_a_sheet_in_the_light_of_sky_and_sun) {
     const Sky& sky = sky_at_hour(16);
     const Picture picture = render(white_sea(), sky, DebugView::final, {.air = false});

@@ -82,6 +82,36 @@ TEST(Surface, every_value_agrees_with_the_direct_sum_between_grid_points_and_key
     EXPECT_LT(bound, 2e-3) << "the bound of this test must mean something";
 }
 
+// Naive: floats that are finite, as a tile's may be, make coefficients that are not, a search goes where there is no number, and
+// reads there.
+TEST(Surface, of_maps_without_bounds_answers_and_reads_no_wild_memory) {
+    for (const float huge : {1e37f, 3e38f}) {
+        std::vector<SplinePair> pairs;
+        std::vector<std::shared_ptr<const SplineMap>> maps;
+        for (const TimeUs time_us : {TimeUs{0}, interval_us}) {
+            Keyframe keyframe;
+            keyframe.time_us = time_us;
+            keyframe.size = 8;
+            keyframe.length_m = 100;
+            keyframe.fields = surface_fields;
+            keyframe.values.assign(keyframe.plane_size() * 6, 0.0f);
+            for (const Field field : {Field::displacement_x, Field::displacement_y})
+                for (std::size_t i = 0; i < keyframe.plane_size(); ++i)
+                    keyframe.plane(field)[i] = (i + i / 8) % 2 == 0 ? huge : -huge;
+            maps.push_back(std::make_shared<SplineMap>(keyframe));
+        }
+        pairs.push_back({maps[0], maps[1]});
+        const Surface surface(std::move(pairs), {1, 1}, {.reach_m = 5.0}, {});
+        std::vector<QueryPoint> points;
+        for (int i = 0; i < 64; ++i)
+            points.push_back({i * 3.7, i * -1.9, i * interval_us / 64});
+        std::vector<Answer> answers(points.size());
+        surface.answer(points, answers);
+        for (const Answer& answer : answers)
+            EXPECT_TRUE(answer.height_m == 0 || answer.flags != 0) << "heights are level";
+    }
+}
+
 // D6: inverting cascade by cascade misses |D1| |grad eta2|, centimetres here.
 TEST(Surface, d6_the_summed_displacement_is_inverted) {
     const RealizationPtr sea = two_cascades();

@@ -27,7 +27,7 @@ TEST(Identity, I9_P23_slopes_lie_below_cox_munk_and_near_its_slick) {
         sea.spectrum = SpectrumKind::pierson_moskowitz;
         sea.wind_speed_10m_mps = wind;
         state.systems.emplace_back(sea);
-        // Up to 20 rad/m, about what a slick leaves; wind at 12.5 m is 3 % above that at 10 m.
+        // Up to 20 rad/m, about what a slick leaves; wind at 12.5 m is 2 % above that at 10 m.
         const DirectionalSpectrum spectrum(state.systems[0], state);
         const Dispersion d = state.dispersion();
         double mss = 0.0;

@@ -135,6 +135,34 @@ TEST_F(Places, a_reader_who_falls_behind_while_somebody_waits_gives_way_then) {
         << "it stops";
 }
 
+// Naive: a place comes back by a message, and where there is no memory for one it is lost, or the process.
+TEST_F(Places, come_back_where_there_is_no_memory_to_say_so) {
+    bool memory = true;
+    MapPlaces places(1, [&](std::function<void()> work) {
+        if (!memory)
+            throw std::bad_alloc();
+        posted.push_back(std::move(work));
+    });
+    MapPlaces::Place held, mine;
+    ASSERT_TRUE(places.ask(
+        one, [&](MapPlaces::Place place) { held = std::move(place); }, waits));
+    ASSERT_TRUE(places.ask(
+        two, [&](MapPlaces::Place place) { mine = std::move(place); }, waits));
+    memory = false;
+    held = nullptr;
+    EXPECT_EQ(mine, nullptr);
+    memory = true;
+    places.look_again();
+    EXPECT_NE(mine, nullptr) << "who waits asks each second";
+    mine = nullptr;
+    settle();
+    EXPECT_TRUE(places.ask(
+        one, [&](MapPlaces::Place place) { held = std::move(place); }, waits));
+    places.stop();
+    held = nullptr;
+    settle();
+}
+
 // Naive: whoever asks at the right instant has the next place, which is who asks without pause.
 TEST_F(Places, an_address_that_has_none_is_next_whoever_asks_without_pause) {
     MapPlaces places = made(2);

@@ -161,6 +161,15 @@ TEST_F(NetHttp, requests_that_are_too_large_or_not_for_reading_have_each_a_statu
     EXPECT_EQ(status("POST /none" + head + "Content-Length: 0\r\n\r\n"), "HTTP/1.1 404");
 }
 
+// Naive: it waits for a body of which it was told that it waits for a word (RFC 9110, 10.1.1).
+TEST_F(NetHttp, who_waits_to_be_told_to_send_a_body_hears_that_none_is_wanted) {
+    start();
+    RawPeer peer(port());
+    peer.say("POST /v1/state HTTP/1.1\r\nHost: 127.0.0.1\r\nExpect: 100-continue\r\n"
+             "Content-Length: 5\r\n\r\n");
+    EXPECT_EQ(peer.rest().substr(0, 12), "HTTP/1.1 417");
+}
+
 TEST_F(NetHttp, head_has_the_length_and_no_body) {
     start();
     const auto head = get("/healthz", "HEAD");

@@ -139,13 +139,8 @@ class NetTls : public ::testing::Test {
     std::unique_ptr<server::NetServer> net;
 };
 
-TEST_F(NetTls, pages_and_streams_are_served) {
-    EXPECT_EQ(net->url().substr(0, 6), "wss://");
-    TlsPeer peer(net->port());
-    ASSERT_TRUE(peer.handshake());
-    peer.say("GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
-    EXPECT_NE(peer.hear("ok\n").find("200 OK"), std::string::npos);
-    // The same connection, kept alive, becomes a stream.
+/// A connection becomes a stream, and its client says who it is.
+void begin_stream(TlsPeer& peer) {
     peer.say("GET /v1/stream HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: "
              "websocket\r\n"
              "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
@@ -156,7 +151,29 @@ TEST_F(NetTls, pages_and_streams_are_served) {
     std::string frame{static_cast<char>(0x82), static_cast<char>(0x80 | hello.size()), 0, 0, 0, 0};
     frame.append(hello.begin(), hello.end());
     peer.say(frame);
+}
+
+TEST_F(NetTls, pages_and_streams_are_served) {
+    EXPECT_EQ(net->url().substr(0, 6), "wss://");
+    TlsPeer peer(net->port());
+    ASSERT_TRUE(peer.handshake());
+    peer.say("GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+    EXPECT_NE(peer.hear("ok\n").find("200 OK"), std::string::npos);
+    begin_stream(peer); // the same connection, kept alive
     EXPECT_NE(peer.hear("seaway " SEAWAY_VERSION).find("SEAW"), std::string::npos) << "Welcome";
+}
+
+// Naive: over TLS nothing goes out at once, and what a newcomer is told of a timetable that runs fast counts as what he is too
+// slow for: nobody comes in.
+TEST_F(NetTls, a_newcomer_is_told_of_as_many_seas_as_there_are) {
+    host.states.clear();
+    for (std::size_t i = 0; i < protocol::limits::sea_states_told; ++i)
+        host.states.push_back(SmallSea::state_message(static_cast<std::uint32_t>(i), 100 + i));
+    TlsPeer peer(net->port());
+    ASSERT_TRUE(peer.handshake());
+    begin_stream(peer);
+    const std::string last(99 + protocol::limits::sea_states_told, 's');
+    EXPECT_NE(peer.hear(last).find(last), std::string::npos);
 }
 
 // They are TLS's own: no limit of bytes above it sees them, and each costs the thread of the network microseconds.

@@ -55,7 +55,7 @@ TEST(Almanac, the_sun_stands_where_the_solar_position_algorithm_has_it) {
     }
 }
 
-// Meeus 1991, example 47.a: apparent place on 12 April 1992, 0 h. 0.3 and 0.2 degrees are stated.
+// Meeus 1998, example 47.a: apparent place on 12 April 1992, 0 h. 0.3 and 0.2 degrees are stated.
 TEST(Almanac, the_moon_stands_within_its_stated_error_of_meeus_example) {
     const Equatorial moon = moon_at(instant("1992-04-12T00:00Z"));
     EXPECT_NEAR(moon.right_ascension_rad / degree, 134.688469, 0.3);
