@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must not be lost because there was no memory for it at that instant: somebody waits to be told. Not for threads that
-// others wait for. Thread-safe.
+// What must not be lost because there was no memory for it at that instant: somebody waits to be told. Not under a lock, nor on
+// the thread of the network. Thread-safe.
 #pragma once
 
 #include <chrono>

@@ -130,7 +130,7 @@ static inline double seaway_hull_volume_m3(const seaway_hull* hull) {
  * axis what is heavier along one of the other two. 0 where it is as heavy along all. */
 static inline double seaway_turns_by(const seaway_hull* hull, const seaway_body* body,
                                      const seaway_answer* answers, double step_s) {
-    double heaviest = 0, turned_pkgm2 = 0, water_mps = 0;
+    double heaviest = 0, turned_pkgm2 = 0;
     for (int i = 0; i < 3; ++i) {
         const double one = 1 + hull->added_mass[(i + 1) % 3],
                      other = 1 + hull->added_mass[(i + 2) % 3];
@@ -141,10 +141,14 @@ static inline double seaway_turns_by(const seaway_hull* hull, const seaway_body*
     }
     if (!(turned_pkgm2 > 0))
         return 0;
-    for (size_t v = 0; v < hull->vertex_count; ++v)
-        water_mps = fmax(water_mps, seaway_length(answers[v].velocity_mps));
-    const double beside_mps =
-        water_mps + seaway_length(body->velocity_mps) + SEAWAY_GRAVITY_MPS2 * step_s;
+    double beside_mps = seaway_length(body->velocity_mps); /* of the air */
+    for (size_t v = 0; v < hull->vertex_count; ++v) {
+        double past_mps[3];
+        for (int i = 0; i < 3; ++i)
+            past_mps[i] = answers[v].velocity_mps[i] - body->velocity_mps[i];
+        beside_mps = fmax(beside_mps, seaway_length(past_mps));
+    }
+    beside_mps += SEAWAY_GRAVITY_MPS2 * step_s;
     return beside_mps * heaviest * sqrt(turned_pkgm2 * hull->mass_kg) +
            seaway_length(body->angular_velocity_radps);
 }
@@ -358,12 +362,13 @@ static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body*
         if (!seaway_is_known(&answers[v]) ||
             !(fabs(points[v].x_m) + fabs(points[v].y_m) < HUGE_VAL))
             return SEAWAY_BAD_ARGUMENT;
-    /* A quarter of the radian of the fastest motion that can be. */
-    const double fastest_radps =
-        fmax(sqrt(seaway_stiffness(hull)), seaway_turns_by(hull, body, answers, step_s));
-    const double parts = ceil(fmax(step_s * fastest_radps / 0.25, 1));
+    /* A quarter of the radian of the fastest motion that can be, an eighth of a turn by added mass, which is less forgiving.
+     * Whether a step takes too much follows from the hull alone, not from the weather. */
+    double parts = ceil(fmax(step_s * sqrt(seaway_stiffness(hull)) / 0.25, 1));
     if (!(parts <= SEAWAY_PARTS_MAX))
         return SEAWAY_BAD_ARGUMENT;
+    const double turns = ceil(step_s * seaway_turns_by(hull, body, answers, step_s) / 0.125);
+    parts = fmax(parts, fmin(turns, SEAWAY_PARTS_MAX));
     for (double part = 0; part < parts; ++part) {
         seaway_load load;
         seaway_hull_load(hull, &moved, points, answers, (part + 0.5) * step_s / parts, &load);

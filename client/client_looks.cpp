@@ -22,14 +22,6 @@ double sideways(const sea::Choppiness& choppiness) {
     return std::max(choppiness.x, choppiness.y);
 }
 
-/// How near a place is looked for: no double far out is as near as those at home.
-double tolerance_m(std::span<const sea::QueryPoint> points) {
-    double most_m = 1e-7;
-    for (const sea::QueryPoint& point : points)
-        most_m = std::max(most_m, RebuiltSea::tolerance_m(point));
-    return most_m;
-}
-
 /// A sea of which nothing is felt; its foam is seen.
 void put_flat(const sea::QueryPoint& point, const HeldFoam& foam, Water& water) {
     const double nan = std::nan("");
@@ -71,9 +63,11 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
     const TimeUs time_us = points.front().time_us;
     const std::uint32_t cascades = felt_cascades(*state, looking);
     const HeldFoam foam(*state, ring_, time_us);
-    const auto put = [&](const sea::InverseOptions& options, sea::LagrangianField field,
-                         double blur_m) {
+    const auto put = [&](sea::InverseOptions options, sea::LagrangianField field, double blur_m) {
+        const double nearest_m =
+            options.tolerance_m; // no double far out is as near as those at home
         for (std::size_t i = 0; i < points.size(); ++i) {
+            options.tolerance_m = std::max(nearest_m, RebuiltSea::tolerance_m(points[i]));
             const std::optional<Vec2> place =
                 put_movement(points[i], options, field, blur_m, water[i]);
             water[i].foam = place ? foam.at(*place) : std::nan("");
@@ -119,8 +113,7 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
         maps->summed(batch, thread_time_us() - begun_us);
         keep(0);
         const sea::Choppiness choppiness = sea.sum().sea().choppiness;
-        put({choppiness, tolerance_m(points),
-             sea::fold_search(state->displacement_reach_m, choppiness, 0)},
+        put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
             moment, sideways(choppiness) * sea.error().displacement_m);
     });
     return {};

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: whose waves it has, and what sea follows of them.
 #include <algorithm>
+#include <iterator>
+#include <limits>
+#include <utility>
 
 #include "base/thread_time.h"
 #include "client/client.h"
@@ -54,12 +57,26 @@ void Client::make_room_for_waves(const SeaState& next) {
                 points += points_of(*spectrum->state());
         return points;
     };
+    // From its beginning to that of the next; 0: it runs.
     const auto away_us = [&](const auto& spectrum) {
-        return std::abs(static_cast<double>(spectrum.second->state()->start_time_us) -
-                        static_cast<double>(heard_us_));
+        const auto state =
+            std::ranges::find(sea_states_, spectrum.first, &SeaState::epoch); // by their beginning
+        if (state == sea_states_.end())
+            return std::numeric_limits<double>::infinity();
+        const auto now_us = static_cast<double>(heard_us_);
+        const double to_come_us = static_cast<double>((*state)->start_time_us) - now_us;
+        const auto after = std::next(state);
+        const double over_us =
+            after == sea_states_.end() ? 0 : now_us - static_cast<double>((*after)->start_time_us);
+        return std::max({to_come_us, over_us, 0.0});
     };
-    while (!received_.empty() && held() > wave_points_max)
-        forget_waves(std::ranges::max_element(received_, {}, away_us)->first);
+    while (!received_.empty() && held() > wave_points_max) {
+        const std::uint32_t epoch = std::ranges::max_element(received_, {}, away_us)->first;
+        auto rebuilt = rebuilt_.extract(epoch); // which needs none of them
+        forget_waves(epoch);
+        if (rebuilt)
+            rebuilt_.insert(std::move(rebuilt));
+    }
 }
 
 void Client::take_waves(ConnectionEvents& events) {

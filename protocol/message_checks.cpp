@@ -303,8 +303,6 @@ Result<void> check_probes(const wire::SeaState& state) {
     return {};
 }
 
-} // namespace
-
 /// Of many the text may be the same bytes of the message.
 Result<void> check_warnings(const wire::SeaState& state) {
     SEAWAY_TRY(in_range<std::size_t>("count of warnings", count(state.warnings()), 0,
@@ -313,6 +311,8 @@ Result<void> check_warnings(const wire::SeaState& state) {
         SEAWAY_TRY(text_fits("warnings", state.warnings()->Get(i), limits::warning_bytes_max));
     return {};
 }
+
+} // namespace
 
 Result<void> check(const wire::SeaState& state) {
     Result<void> fine = all_of(

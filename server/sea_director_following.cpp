@@ -22,8 +22,11 @@ constexpr std::int64_t hand_overs_apart_us = 30'000'000;
 } // namespace
 
 void SeaDirector::falls_behind() {
-    std::int64_t none = 0;
-    behind_since_us_.compare_exchange_strong(none, SeaClock::steady_now_us());
+    // Another value each time, if by a microsecond: who follows what was there before does not take this for done.
+    std::int64_t since_us = behind_since_us_;
+    while (!behind_since_us_.compare_exchange_weak(
+        since_us, since_us == 0 ? SeaClock::steady_now_us() : since_us + 1))
+        continue;
 }
 
 void SeaDirector::follow_if_there_is_memory() {

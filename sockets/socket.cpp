@@ -130,7 +130,8 @@ Socket::Socket(asio::ip::tcp::socket socket) : streams_(std::make_shared<Streams
 
 Socket::Socket(asio::ip::tcp::socket socket, asio::ssl::context& tls)
     : streams_(std::make_shared<Streams>()) {
-    // Where OpenSSL has no memory for one more, Asio goes on with none, or throws what is no bad_alloc.
+    // Where OpenSSL has no memory for one more, Asio goes on with none, or throws what is no bad_alloc. One that is asked for
+    // before shows that there is some; another thread may still take it.
     SSL* const one = SSL_new(tls.native_handle());
     if (one == nullptr)
         throw std::bad_alloc();

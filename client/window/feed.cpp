@@ -104,7 +104,11 @@ void Feed::run(const std::shared_ptr<State>& state) {
     while (!stop.stop_requested() && !state->client) {
         state->status.link = Link::connecting;
         lock.unlock();
-        Result<std::shared_ptr<Client>> client = first_connection(state);
+        Result<std::shared_ptr<Client>> client = Error{"there is no memory for a connection"};
+        try {
+            client = first_connection(state);
+        } catch (const std::bad_alloc&) {
+        }
         lock.lock();
         if (client) {
             state->client = std::move(*client);

@@ -133,9 +133,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         if (error || parser_->is_done())
             return on_request(error);
         // Who waits to be told to go on with a body would wait for ever (RFC 9110, 10.1.1).
-        if (parser_->get().count(http::field::expect) > 0) {
+        if (parser_->get().count(http::field::expect) > 0 && parser_->get().version() >= 11) {
             awaits_.leave();
-            return respond({.status = 417, .body = "no page takes a body\n"}, false, false);
+            return respond({.status = 417, .body = "no page takes a body\n"}, head_only(), false);
         }
         http::async_read(socket_, buffer_, *parser_, then(&HttpConnection::on_request));
     }

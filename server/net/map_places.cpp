@@ -98,18 +98,21 @@ void MapPlaces::GiveBack::operator()(void*) const {
     }
     try {
         state->post([state = state] { take_returned(state); });
-    } catch (const std::bad_alloc&) { // who asks next takes it, or the server's watch
+    } catch (const std::bad_alloc&) { // who asks next takes it, or who waits, each second
     }
 }
 
 void MapPlaces::take_returned(const std::shared_ptr<State>& state) {
-    std::list<Returned> returned;
-    {
-        const std::scoped_lock lock(state->mutex);
-        returned.swap(state->returned);
+    for (;;) { // one by one: who begins in its place may find no memory for that
+        std::list<Returned> one;
+        {
+            const std::scoped_lock lock(state->mutex);
+            if (state->returned.empty())
+                return;
+            one.splice(one.end(), state->returned, state->returned.begin());
+        }
+        gave_back(state, one.front());
     }
-    for (const Returned& one : returned)
-        gave_back(state, one);
 }
 
 void MapPlaces::gave_back(const std::shared_ptr<State>& state, const Returned& returned) {

@@ -55,8 +55,9 @@ class MapPlaces {
 
     /// That place will come back soon.
     void ends(const Place& place) {
-        ++state_->ending;
-        std::get_deleter<GiveBack>(place)->place->front().ended = true;
+        bool& ended = std::get_deleter<GiveBack>(place)->place->front().ended;
+        state_->ending += !ended;
+        ended = true;
     }
 
     /// Those who wait are forgotten.

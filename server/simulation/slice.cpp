@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/for_want_of_memory.h"
+#include "base/undo.h"
 #include "server/host/refusal.h"
 
 namespace seaway::server {
@@ -74,17 +75,19 @@ void refuse_and_end(Questions& questions, Question& question, const Why& why) {
 
 void work_on_slice(Questions& questions, Question question) {
     const bool gone = !question.prompt && question.asker.gone();
-    {
-        std::function<bool()> slice; // goes on when the question has been put back
-        try {
-            slice = question.slice;
-        } catch (const std::bad_alloc&) {
-            return refuse_and_end(questions, question, no_memory);
-        }
-        work_on_slice(questions, std::move(question), slice);
+    // At the end, when what it held is free: the turn of foam, for one.
+    const Undo wakes([&] {
+        if (gone)
+            questions.wake();
+    });
+    Question mine = std::move(question);
+    std::function<bool()> slice; // goes on when the question has been put back
+    try {
+        slice = mine.slice;
+    } catch (const std::bad_alloc&) {
+        return refuse_and_end(questions, mine, no_memory);
     }
-    if (gone)
-        questions.wake(); // what it held is free by now: the turn of foam, for one
+    work_on_slice(questions, std::move(mine), slice);
 }
 
 void work_on_slice(Questions& questions, Question question, const std::function<bool()>& slice) {

@@ -108,6 +108,22 @@ TEST_F(Engine, cascades_that_the_sea_has_not_are_refused_by_name_whatever_is_hel
               SEAWAY_OK);
 }
 
+// Naive: whoever is furthest away says how near all of a batch are looked for, and one that is nowhere that all are found.
+TEST_F(Engine, a_point_that_is_nowhere_takes_nothing_from_those_beside_it) {
+    Sea client(net->url());
+    hold_sea(client, false);
+    std::vector<seaway_point> points = places(4);
+    const std::vector<seaway_water> alone = water_at(client, nullptr, points);
+    for (const double far : {HUGE_VAL, std::nan(""), 1e9}) {
+        points[3].x_m = far;
+        const std::vector<seaway_water> beside = water_at(client, nullptr, points);
+        for (std::size_t i = 0; i < 3; ++i) {
+            EXPECT_EQ(beside[i].displacement_m[0], alone[i].displacement_m[0]) << far;
+            EXPECT_EQ(beside[i].displacement_error_m, alone[i].displacement_error_m) << far;
+        }
+    }
+}
+
 // Naive: the server says so, a round trip and a place among those that may be open later.
 TEST_F(Engine, a_question_of_what_is_out_of_range_is_never_open) {
     Sea client(net->url());

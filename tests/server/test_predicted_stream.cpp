@@ -99,10 +99,10 @@ TEST(PredictedStream, of_a_device_whose_memory_is_read_in_place_copies_no_keyfra
     Follower(url).wait_for(30);
     const int port = tests::port_of(url);
     const double keyframes = metric(port, "seaway_keyframes_total");
-    const bool in_place = server.log().find("llvmpipe") != std::string::npos;
     EXPECT_GE(keyframes, 30);
-    const double copied = metric(port, "seaway_keyframes_copied_total");
-    EXPECT_EQ(copied > 0, !in_place) << copied;
+    if (server.log().find("llvmpipe") != std::string::npos) {
+        EXPECT_EQ(metric(port, "seaway_keyframes_copied_total"), 0);
+    }
 }
 
 } // namespace

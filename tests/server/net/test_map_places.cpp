@@ -163,6 +163,33 @@ TEST_F(Places, come_back_where_there_is_no_memory_to_say_so) {
     settle();
 }
 
+// Naive: all that have come back are taken at once, and go with the one whose successor has no memory to begin.
+TEST_F(Places, come_back_each_whatever_becomes_of_who_is_next) {
+    bool memory = true;
+    MapPlaces places(2, [&](std::function<void()> work) {
+        if (!memory)
+            throw std::bad_alloc();
+        posted.push_back(std::move(work));
+    });
+    std::vector<MapPlaces::Place> held;
+    const auto hold = [&](MapPlaces::Place place) { held.push_back(std::move(place)); };
+    ASSERT_TRUE(places.ask(one, hold, waits));
+    ASSERT_TRUE(places.ask(one, hold, waits));
+    ASSERT_TRUE(places.ask(
+        two, [](const MapPlaces::Place&) { throw std::bad_alloc(); }, waits));
+    memory = false;
+    held.clear();
+    memory = true;
+    EXPECT_THROW(places.look_again(), std::bad_alloc);
+    settle();
+    ASSERT_TRUE(places.ask(three, hold, waits));
+    ASSERT_TRUE(places.ask(three, hold, waits));
+    EXPECT_EQ(held.size(), 2u);
+    places.stop();
+    held.clear();
+    settle();
+}
+
 // Naive: whoever asks at the right instant has the next place, which is who asks without pause.
 TEST_F(Places, an_address_that_has_none_is_next_whoever_asks_without_pause) {
     MapPlaces places = made(2);
