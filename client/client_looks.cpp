@@ -64,8 +64,8 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
     const std::uint32_t cascades = felt_cascades(*state, looking);
     const HeldFoam foam(*state, ring_, time_us);
     const auto put = [&](sea::InverseOptions options, sea::LagrangianField field, double blur_m) {
-        const double nearest_m =
-            options.tolerance_m; // no double far out is as near as those at home
+        // No double far out is as near as those at home.
+        const double nearest_m = options.tolerance_m;
         for (std::size_t i = 0; i < points.size(); ++i) {
             options.tolerance_m = std::max(nearest_m, RebuiltSea::tolerance_m(points[i]));
             const std::optional<Vec2> place =
