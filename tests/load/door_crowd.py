@@ -17,6 +17,8 @@ import subprocess
 import sys
 import time
 
+from fleet_processes import free_port
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests/interop"))
 import client  # noqa: E402
@@ -73,12 +75,6 @@ class Crowd:
             self.poll.unregister(number)
             self.sockets.pop(number).close()
             self.closed += 1
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def summary(answers):

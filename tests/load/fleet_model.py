@@ -31,7 +31,7 @@ import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
 from page_text import number, table  # noqa: E402
-from fleet import Fleet, SOURCE, free_port  # noqa: E402
+from fleet_processes import Fleet, SOURCE, free_port  # noqa: E402
 
 RUNS = SOURCE / "docs/fleet/runs.csv"
 NATS = SOURCE / "docs/fleet/nats.csv"

@@ -15,8 +15,8 @@ import tempfile
 import threading
 import time
 
-from fleet import Fleet, SOURCE
 from fleet_model import swarm_row
+from fleet_processes import Fleet, SOURCE
 
 SECONDS = 20
 SCENES = ["scenes/north_sea_gale.toml", "scenes/hurricane.toml", "docs/effects/film_shot.toml"]
