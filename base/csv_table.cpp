@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <istream>
+#include <cstdio>
+#include <iostream>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -14,15 +16,19 @@ namespace seaway {
 
 namespace {
 
-std::optional<double> finite_number(std::string_view field) {
+constexpr double largest = std::numeric_limits<double>::max();
+
+} // namespace
+
+std::optional<double> number_in(std::string_view field, double limit) {
+    if (field.starts_with('+') && !field.starts_with("+-")) // from_chars does not read it
+        field.remove_prefix(1);
     double value = 0.0;
     const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (problem != std::errc() || end != field.data() + field.size() || !std::isfinite(value))
+    if (problem != std::errc() || end != field.data() + field.size() || !(std::abs(value) <= limit))
         return std::nullopt;
     return normal_or_zero(value);
 }
-
-} // namespace
 
 Result<bool> next_line(std::istream& in, std::string& line) {
     line.clear();
@@ -33,6 +39,9 @@ Result<bool> next_line(std::istream& in, std::string& line) {
             return Error{fmt::format("the line has more than {} bytes", csv_line_bytes_max)};
         line += static_cast<char>(c);
     }
+    // Of standard input std::cin says no more than that it ended, whatever ended it.
+    if (in.bad() || (&in == &std::cin && std::ferror(stdin) != 0))
+        return Error{"cannot be read to its end"};
     return !line.empty();
 }
 
@@ -84,7 +93,7 @@ Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::
         const std::vector<std::string_view> fields = split_csv(content);
         if (table.columns.empty()) {
             if (std::all_of(fields.begin(), fields.end(), [](std::string_view field) {
-                    return finite_number(field).has_value();
+                    return number_in(field, largest).has_value();
                 }))
                 return Error{fmt::format("{}:{}: no header: the first line must name the columns, "
                                          "but it holds numbers",
@@ -99,7 +108,7 @@ Result<CsvTable> parse_csv(std::string_view text, const std::string& name, std::
             return Error{fmt::format("{}:{}: more than {} rows", name, line, rows_max)};
         std::vector<double>& row = table.rows.emplace_back();
         for (std::size_t c = 0; c < fields.size(); ++c) {
-            const std::optional<double> value = finite_number(fields[c]);
+            const std::optional<double> value = number_in(fields[c], largest);
             if (!value)
                 return Error{fmt::format("{}:{}: {} = '{}' is not a finite number", name, line,
                                          table.columns[c], fields[c])};

@@ -32,11 +32,14 @@ inline constexpr std::size_t csv_line_bytes_max = 4096;
 std::string_view without_mark(std::string_view text);
 
 /// The next line of a stream, without its end; false where there is none. An error says that it has more than
-/// csv_line_bytes_max bytes, of which no more are held.
+/// csv_line_bytes_max bytes, of which no more are held, or that the stream broke off.
 Result<bool> next_line(std::istream& in, std::string& line);
 
 /// Without spaces, tabs and carriage returns around it.
 std::string_view trimmed(std::string_view text);
+/// A number of at most this magnitude, or none. A plus before it, as people write it, is one; numbers too small for full
+/// precision are 0.
+std::optional<double> number_in(std::string_view field, double limit);
 /// The fields between the commas of a line, trimmed. Views of it.
 std::vector<std::string_view> split_csv(std::string_view line);
 

@@ -73,9 +73,12 @@ std::string printable(std::string_view text) {
 }
 
 int complain(const char* program, int status, std::string_view message) {
-    // Not fmt::print, which throws where stderr cannot be written: the status is what is left then.
-    std::fputs(fmt::format("{}: {}\n", program, printable(message)).c_str(), stderr);
+    tell(fmt::format("{}: {}\n", program, printable(message)));
     return status;
+}
+
+void tell(std::string_view text) {
+    std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
 int run_main(const char* program, int status, const std::function<int()>& body) {

@@ -20,6 +20,9 @@ bool is_printable(std::string_view text);
 /// Prints "PROGRAM: MESSAGE" on stderr, printable. Returns `status`.
 int complain(const char* program, int status, std::string_view message);
 
+/// Text for whoever looks at stderr, as progress is. Where it cannot be written, nothing is: fmt::print would throw.
+void tell(std::string_view text);
+
 /// What a program's main() does: the status of `body`, or, of what nobody has caught there, memory and threads above all,
 /// `status` after one line as complain() prints it.
 int run_main(const char* program, int status, const std::function<int()>& body);

@@ -19,4 +19,7 @@ Result<void> write_whole_file(const std::string& path,
 /// The same of these bytes.
 Result<void> write_whole_file(const std::string& path, std::string_view bytes);
 
+/// For who works long before he writes: would that go now? Nothing is left of the trial.
+Result<void> check_whole_file(const std::string& path);
+
 } // namespace seaway

@@ -62,7 +62,10 @@ static int float_for(seaway_client* sea, double seconds) {
         if (step % STEPS_A_SECOND == 0)
             printf("%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n", (double)now_us * 1e-6, water[0].height_m,
                    body.position_m[2], body.position_m[0], body.position_m[1], water[0].error_m);
-        fflush(stdout);
+        if (fflush(stdout) != 0) { /* a full disk, or nobody reads on */
+            perror("buoy");
+            return 1;
+        }
     }
     return 0;
 }

@@ -124,8 +124,9 @@ int run(const char* url, int steps) {
         std::printf("%d steps were left out, without water; ", without);
     std::printf(
         "%zu floats, %zu points in one batch: a step takes %.0f us for the water and %.0f us for "
-        "the floats (medians of %d); none is further than %.2f m from the water\n",
-        floats, points.size(), median(times.water_us), median(times.motion_us), steps, off_m);
+        "the floats (medians of %zu); none is further than %.2f m from the water\n",
+        floats, points.size(), median(times.water_us), median(times.motion_us),
+        times.water_us.size(), off_m);
     return 0;
 }
 
@@ -137,7 +138,7 @@ int main(int argc, char** argv) {
         return std::fprintf(stderr, "usage: fleet ws://HOST:PORT [STEPS]\n"), 2;
     try {
         return run(argv[1], steps);
-    } catch (const seaway::SeaError& error) {
+    } catch (const std::exception& error) {
         return std::fprintf(stderr, "fleet: %s\n", error.what()), 1;
     }
 }

@@ -237,7 +237,7 @@ Result<double> parse_duration_s(const std::string& text) {
             number.pop_back();
             unit_s = seconds;
         }
-    const std::optional<double> value = parse_number(number, 1e9);
+    const std::optional<double> value = number_in(number, 1e9);
     if (!value || *value < 0)
         return Error{fmt::format("'{}' is no duration; give one as 90s, 2m, 1.5h or 3d", text)};
     return *value * unit_s;

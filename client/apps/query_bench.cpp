@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -7,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/quantile.h"
 #include "base/text_file.h"
 #include "client/apps/query_output.h"
 #include "client/apps/query_run.h"
@@ -35,15 +35,10 @@ double milliseconds_since(steady_clock::time_point start) {
 }
 
 BenchRow finished(BenchRow row, std::vector<double> round_trips_ms, double milliseconds) {
-    std::sort(round_trips_ms.begin(), round_trips_ms.end());
-    const auto at = [&](double share) {
-        const auto last = static_cast<double>(round_trips_ms.size() - 1);
-        return round_trips_ms[static_cast<std::size_t>(share * last)];
-    };
     row.queries = static_cast<int>(round_trips_ms.size());
     row.seconds = milliseconds / 1e3;
-    row.round_trip_p50_ms = at(0.5);
-    row.round_trip_p99_ms = at(0.99);
+    row.round_trip_p50_ms = quantile(round_trips_ms, 0.5);
+    row.round_trip_p99_ms = quantile(round_trips_ms, 0.99);
     return row;
 }
 
@@ -58,6 +53,7 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
         std::optional<Error> problem;
     };
     const auto progress = std::make_shared<Progress>();
+    std::vector<sea::QueryPoint> points = random_points(options.bench_points, 0);
     const auto start = steady_clock::now();
     std::unique_lock lock(progress->mutex);
     while (!progress->problem) {
@@ -66,6 +62,9 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
             break;
         ++progress->under_way;
         lock.unlock();
+        const sea::TimeUs now_us = client.now_us();
+        for (sea::QueryPoint& point : points)
+            point.time_us = now_us;
         const auto sent = steady_clock::now();
         const auto answered = [progress, sent](const Result<Reply>& reply) {
             const std::scoped_lock inner(progress->mutex);
@@ -76,8 +75,7 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
                 progress->problem = reply.error();
             progress->changed.notify_all();
         };
-        SEAWAY_TRY(client.ask_async(random_points(options.bench_points, client.now_us()),
-                                    {options.exact, options.timeout_s}, answered));
+        SEAWAY_TRY(client.ask_async(points, {options.exact, options.timeout_s}, answered));
         lock.lock();
     }
     progress->changed.wait(lock, [&] { return progress->under_way == 0; });

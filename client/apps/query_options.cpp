@@ -44,7 +44,7 @@ Result<void> require(bool fine, const std::string& what) {
 Result<std::optional<double>> parse_time(const std::string& text) {
     if (text == "now")
         return std::optional<double>();
-    const std::optional<double> time_s = parse_number(text, time_max_s);
+    const std::optional<double> time_s = number_in(text, time_max_s);
     SEAWAY_TRY(
         require(time_s.has_value(),
                 fmt::format("--time '{}': 'now', or sea time in seconds between {:g} and {:g}",
@@ -56,7 +56,7 @@ Result<std::optional<double>> parse_z(const std::string& text) {
     if (text.empty())
         return std::optional<double>();
     constexpr double most_m = protocol::limits::position_m_max;
-    const std::optional<double> z_m = parse_number(text, most_m);
+    const std::optional<double> z_m = number_in(text, most_m);
     SEAWAY_TRY(require(z_m.has_value(),
                        fmt::format("--z '{}': metres up from still water, between {:g} and {:g}",
                                    text, -most_m, most_m)));

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <iostream>
 
@@ -28,7 +26,7 @@ Result<Place> to_place(const std::vector<std::string_view>& fields) {
     std::array<double, 3> values{};
     for (std::size_t i = 0; i < fields.size(); ++i) {
         const double limit = i < 2 ? coordinate_max_m : time_max_s;
-        const std::optional<double> value = parse_number(fields[i], limit);
+        const std::optional<double> value = number_in(fields[i], limit);
         if (!value)
             return failed(Failure::bad_argument,
                           fmt::format("{} = '{}': not a number between {:g} and {:g}", columns[i],
@@ -42,16 +40,6 @@ Result<Place> to_place(const std::vector<std::string_view>& fields) {
 }
 
 } // namespace
-
-std::optional<double> parse_number(std::string_view text, double limit) {
-    if (text.starts_with('+')) // people write it; from_chars does not read it
-        text.remove_prefix(1);
-    double value = 0;
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (problem != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= limit))
-        return std::nullopt;
-    return value;
-}
 
 Result<Place> parse_place(std::string_view text) {
     const std::vector<std::string_view> fields = split_csv(text);
@@ -91,8 +79,6 @@ Result<std::vector<Place>> read_places(std::istream& in, const std::string& name
                           fmt::format("{}:{}: more than {} points", name, number, points_max));
         places.push_back(*place);
     }
-    if (in.bad())
-        return failed(Failure::bad_argument, fmt::format("cannot read '{}' to its end", name));
     return places;
 }
 

@@ -26,9 +26,6 @@ struct Place {
     std::optional<double> time_s; ///< sea time of its own
 };
 
-/// A whole decimal number with |value| <= limit; nothing else, NaN neither.
-std::optional<double> parse_number(std::string_view text, double limit);
-
 /// "X,Y".
 Result<Place> parse_place(std::string_view text);
 

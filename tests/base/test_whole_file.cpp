@@ -54,6 +54,19 @@ TEST(WholeFile, is_as_it_was_when_writing_fails) {
     EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
 
+// Before an hour of work. Naive: a folder that is not there is found at its end.
+TEST(WholeFile, says_beforehand_whether_it_could_be_written_and_leaves_nothing) {
+    const std::string path = tests::folder().file("to_come.txt");
+    EXPECT_TRUE(check_whole_file(path));
+    EXPECT_FALSE(std::filesystem::exists(path));
+    EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+    ASSERT_TRUE(write_whole_file(path, "before"));
+    EXPECT_TRUE(check_whole_file(path));
+    EXPECT_EQ(bytes_of(path), "before");
+    EXPECT_THAT(check_whole_file(tests::folder().file("nowhere") + "/x.txt").error().message,
+                HasSubstr("No such file"));
+}
+
 TEST(WholeFile, replaces_nothing_but_files) {
     const std::string folder = tests::folder().file("folder");
     std::filesystem::create_directories(folder);

@@ -30,6 +30,7 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/quantile.h"
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "tests/load/random_scenes.h"
@@ -61,13 +62,6 @@ struct Tally {
     std::vector<double> error_m{};
     std::vector<double> bound_m{};
 };
-
-double quantile(std::vector<double>& values, double q) {
-    if (values.empty())
-        return 0;
-    std::sort(values.begin(), values.end());
-    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
-}
 
 struct Scene {
     std::string kind;

@@ -25,6 +25,7 @@
 
 #include "base/child_process.h"
 #include "base/command_line.h"
+#include "base/quantile.h"
 #include "client/client.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/folder.h"
@@ -173,7 +174,6 @@ Comparison compare(const std::vector<Frame>& fast, const std::vector<Frame>& slo
                 std::abs(a + share * (b - a) - static_cast<double>(frame.height_m[i])));
         }
     }
-    std::sort(found.apart_m.begin(), found.apart_m.end());
     return found;
 }
 
@@ -213,21 +213,18 @@ int meet(const Options& options) {
     fast_line.cut();
     const bool well = fast->wait().code == 0 && slow->wait().code == 0;
     const double from_s = last_event_s + options.settle_s;
-    const Comparison found =
+    Comparison found =
         compare(frames_in(folder + "_fast", from_s), frames_in(folder + "_slow", from_s));
     if (!well || found.apart_m.empty()) {
         fmt::print(stderr, "a client has shown nothing\n");
         return 1;
     }
-    const auto quantile = [&](double share) {
-        return 1000 * found.apart_m[static_cast<std::size_t>(
-                          share * static_cast<double>(found.apart_m.size() - 1))];
-    };
+    const auto apart_mm = [&](double share) { return 1000 * quantile(found.apart_m, share); };
     fmt::print(
         "{} frames compared, {} without keyframes around them; apart: p50 {:.2f}, p99 {:.2f}, "
         "most {:.2f} mm\n",
-        found.frames, found.without_keyframes, quantile(0.5), quantile(0.99), quantile(1));
-    return quantile(0.99) <= 1000 * options.bound_m ? 0 : 1;
+        found.frames, found.without_keyframes, apart_mm(0.5), apart_mm(0.99), apart_mm(1));
+    return apart_mm(0.99) <= 1000 * options.bound_m ? 0 : 1;
 }
 
 } // namespace

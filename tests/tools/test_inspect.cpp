@@ -408,6 +408,8 @@ TEST(Inspect, every_mistake_is_one_line_on_stderr_and_exit_status_2) {
         {"empty list", gale + " --spectrum ''", "--spectrum"},
         {"no name for the plot", gale + " --plot ''", "--plot"},
         {"no points", gale + " --eval ''", "--eval"},
+        {"a form of points", gale + " --format json --eval -", "--format"},
+        {"a picture before nonsense", gale + " --plot /nowhere/p.png --spectrum abc", "--spectrum"},
         {"no time", gale + " --images " + folder().file("i") + " --time nan", "--time"},
         {"no frequency", gale + " --spectrum 1,,2", "1,,2"},
         {"word for a frequency", gale + " --spectrum peak", "peak"},

@@ -335,5 +335,16 @@ TEST(InspectPoints, no_rows_give_the_header_alone) {
     EXPECT_TRUE(evaluate(path, "").empty());
 }
 
+// A folder is opened as a file is, and cannot be read. Naive: std::cin says that it ended, and no rows are all that were asked for.
+TEST(InspectPoints, that_cannot_be_read_to_their_end_are_an_error) {
+    const std::string said = folder().file("said"), scene = folder().write("sea.toml", two_swells);
+    const int status = std::system((std::string(SEAWAY_BIN_DIR) + "/seaway-inspect " + scene +
+                                    " --eval - < / > /dev/null 2> " + said)
+                                       .c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 2);
+    EXPECT_NE(testing::read_file(said).find("standard input:1: cannot be read to its end"),
+              std::string::npos);
+}
+
 } // namespace
 } // namespace seaway

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -21,6 +19,7 @@
 #include "server/simulation/readback.h"
 #include "server/simulation/running_sea.h"
 #include "tools/bench/accuracy/journal.h"
+#include "tools/bench/accuracy/result_file.h"
 #include "tools/bench/timing.h"
 #include "tools/bench/yardsticks/arithmetic.h"
 #include "tools/bench/yardsticks/fftw.h"
@@ -283,7 +282,7 @@ Result<Row> measure_start(const DeviceOptions& options, int size, bool cold) {
     return Row{"start", cold ? "cold" : "warm", size, 0, seconds_since(start), 0};
 }
 
-void print(const Bench& bench, const std::vector<Row>& rows, std::ofstream& file) {
+void print(const Bench& bench, const std::vector<Row>& rows, std::string& csv) {
     fmt::print("{}{}\nbest is {}, {:.1f} GB/s of memory, and {}, {:.0f} GFLOP/s{}{}\n\n",
                bench.device->description(),
                bench.arithmetic->rests() ? "; each row after a hundredth of a second of sums" : "",
@@ -293,8 +292,8 @@ void print(const Bench& bench, const std::vector<Row>& rows, std::ofstream& file
     fmt::print("{:<10} {:>5} {:<13} {:>10} {:>10} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}\n", "",
                "size", "fields", "device ms", "wall ms", "MB", "best ms", "best %", "memory %",
                "GFLOP/s", "arith. %");
-    file << "what,size,fields,device_ms,wall_ms,megabytes,best_ms,best_pct,memory_pct,gflop_per_s,"
-            "arithmetic_pct\n";
+    csv += "what,size,fields,device_ms,wall_ms,megabytes,best_ms,best_pct,memory_pct,gflop_per_s,"
+           "arithmetic_pct\n";
     for (const Row& row : rows) {
         const double per_s = row.device_s > 0 ? 1 / row.device_s : 0.0;
         const double best = 100 * per_s * row.best_s;
@@ -306,10 +305,10 @@ void print(const Bench& bench, const std::vector<Row>& rows, std::ofstream& file
                    "{:>9.2f} {:>8.2f}\n",
                    row.what, row.size, row.fields, 1e3 * row.device_s, 1e3 * row.wall_s,
                    1e-6 * row.bytes, 1e3 * row.best_s, best, memory, 1e-9 * rate, arithmetic);
-        file << fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g},{:.3g},{:.4g},{:.3g}\n",
-                            row.what, row.size, row.fields, 1e3 * row.device_s, 1e3 * row.wall_s,
-                            1e-6 * row.bytes, 1e3 * row.best_s, best, memory, 1e-9 * rate,
-                            arithmetic);
+        csv +=
+            fmt::format("{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g},{:.3g},{:.4g},{:.3g}\n",
+                        row.what, row.size, row.fields, 1e3 * row.device_s, 1e3 * row.wall_s,
+                        1e-6 * row.bytes, 1e3 * row.best_s, best, memory, 1e-9 * rate, arithmetic);
     }
 }
 
@@ -397,6 +396,8 @@ Result<void> run_device(const DeviceOptions& options) {
     if (options.sizes.empty())
         return Error{"--sizes: names none"};
     SEAWAY_TRY_LET(const server::DeviceChoice choice, server::choose_device(options.device));
+    const std::string path = options.out + "/device.csv";
+    SEAWAY_TRY(check_result(path));
     if (options.retune)
         SEAWAY_TRY(retune(options, choice));
     std::vector<Row> rows;
@@ -407,15 +408,11 @@ Result<void> run_device(const DeviceOptions& options) {
                                                      std::min(options.sizes.front(),
                                                               protocol::limits::tile_side_max)));
     rows.push_back(encoded);
-    std::error_code failed;
-    std::filesystem::create_directories(options.out, failed);
-    const std::string path = options.out + "/device.csv";
-    std::ofstream file(path);
-    file << fmt::format(
+    std::string csv = fmt::format(
         "# seaway-bench device on {}; {}; {}; commit {}\n", bench.device->description(),
         bench.fftw ? bench.fftw->name() : "without FFTW", machine_name(), commit_name());
-    print(bench, rows, file);
-    return file.flush() ? Result<void>() : Result<void>(Error{"cannot write " + path});
+    print(bench, rows, csv);
+    return write_result(path, csv);
 }
 
 } // namespace seaway::bench

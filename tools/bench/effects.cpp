@@ -2,8 +2,6 @@
 #include "tools/bench/effects.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -12,6 +10,7 @@
 #include "server/device/device_choice.h"
 #include "server/simulation/effect_costs.h"
 #include "tools/bench/accuracy/journal.h"
+#include "tools/bench/accuracy/result_file.h"
 #include "tools/bench/streamed_demand.h"
 
 namespace seaway::bench {
@@ -153,20 +152,17 @@ std::string csv_row(const EffectCost& row) {
 
 Result<void> write_csv(const std::string& path, const EffectsOptions& options,
                        const std::string& device, const std::vector<EffectCost>& rows) {
-    std::ofstream file(path);
-    file << fmt::format("# seaway-bench effects --scene {} on {}; {}; commit {}\n"
-                        "# of one second of sea: alone, and on top of the rest\n"
-                        "what,effect,cascade",
-                        options.scene, device, machine_name(), commit_name());
+    std::string text = fmt::format("# seaway-bench effects --scene {} on {}; {}; commit {}\n"
+                                   "# of one second of sea: alone, and on top of the rest\n"
+                                   "what,effect,cascade",
+                                   options.scene, device, machine_name(), commit_name());
     for (const char* prefix : {"", "more_"})
-        file << fmt::format(",{0}keyframes,{0}transforms,{0}maps_ms,{0}stream_ms,{0}kilobytes",
-                            prefix);
-    file << "\n";
+        text +=
+            fmt::format(",{0}keyframes,{0}transforms,{0}maps_ms,{0}stream_ms,{0}kilobytes", prefix);
+    text += "\n";
     for (const EffectCost& row : rows)
-        file << csv_row(row);
-    if (!file.flush())
-        return Error{"cannot write " + path};
-    return {};
+        text += csv_row(row);
+    return write_result(path, text);
 }
 
 void print_table(const std::string& device, const std::vector<EffectCost>& rows) {
@@ -207,6 +203,8 @@ Result<void> run_effects(const EffectsOptions& options) {
     SEAWAY_TRY_LET(const sea::Scene scene, sea::read_scene(options.scene));
     SEAWAY_TRY_LET(const RunningSeaPtr as_written, server::make_running_sea(scene, 1));
     SEAWAY_TRY(fields_asked(options.ask, as_written->offered)); // before anything takes time
+    const std::string path = options.out + "/effects.csv";
+    SEAWAY_TRY(check_result(path));
     sea::Scene all_effects = scene;
     all_effects.effects = {.choppy = true, .slopes = true, .foam = true};
     SEAWAY_TRY_LET(const RunningSeaPtr whole, server::make_running_sea(all_effects, 1));
@@ -217,9 +215,7 @@ Result<void> run_effects(const EffectsOptions& options) {
     rows.push_back(asked);
     std::rotate(rows.begin() + 1, rows.end() - 1, rows.end());
     print_table(device->description(), rows);
-    std::error_code failed;
-    std::filesystem::create_directories(options.out, failed);
-    return write_csv(options.out + "/effects.csv", options, device->description(), rows);
+    return write_csv(path, options, device->description(), rows);
 }
 
 } // namespace seaway::bench

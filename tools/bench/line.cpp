@@ -106,6 +106,7 @@ Result<void> run_line(const LineOptions& options) {
     if (!options.ask.empty()) {
         SEAWAY_TRY_LET(fields, fields_asked(options.ask, sea->offered));
     }
+    SEAWAY_TRY(options.limits.check());
     SEAWAY_TRY_LET(const auto device, server::make_synthesizer(options.device));
     SEAWAY_TRY(device->set_sea(sea->realization, 1));
     const sea::ErrorBudget* const budgets[] = {&sea->budget};
@@ -115,8 +116,8 @@ Result<void> run_line(const LineOptions& options) {
                           .error_m = static_cast<float>(options.error_m),
                           .compact = !options.whole,
                           .predicted = !options.whole && !options.alone,
-                          .rate_hz_max = static_cast<float>(options.rate_hz_max),
-                          .size_max = options.size_max},
+                          .rate_hz_max = static_cast<float>(options.limits.rate_hz_max),
+                          .size_max = options.limits.size_max},
                          budgets, sea->streamed(), {});
     if (grant.empty())
         return Error{grant.why};

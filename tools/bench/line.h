@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "client/tile_limits.h"
 
 namespace seaway::bench {
 
@@ -15,12 +16,11 @@ struct LineOptions {
     std::string device = "native"; ///< as --device takes it
     double error_m = 0.01;         ///< what the client asks for
     std::vector<std::string>
-        ask;                ///< effects, as height,choppy; empty: what a sampling client takes
-    int keyframes = 4;      ///< of each cascade
-    bool whole = false;     ///< for a client from before compact maps were
-    bool alone = false;     ///< for one that takes no differences to what came before
-    double rate_hz_max = 0; ///< keyframes of a cascade a second, at most; 0: all
-    int size_max = 0;       ///< points a side of a map, at most; 0: any
+        ask;            ///< effects, as height,choppy; empty: what a sampling client takes
+    int keyframes = 4;  ///< of each cascade
+    bool whole = false; ///< for a client from before compact maps were
+    bool alone = false; ///< for one that takes no differences to what came before
+    client::TileLimits limits;
 };
 
 /// Where maps are predicted, of a stream that goes on: the keyframe that it begins with, whole, is told apart. Prints a table: the grid a map is sent on, its keyframes a second, the codec's bound, bits a sample

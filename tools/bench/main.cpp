@@ -155,10 +155,7 @@ seaway::CommandLine& add_line(seaway::CommandLine& line, seaway::bench::LineOpti
     command.option("--whole", options.whole, "For a client that takes no compact maps");
     command.option("--keyframes", options.keyframes, "Of each cascade").between(1, 10000);
     command.option("--alone", options.alone, "For one that takes no differences to earlier ones");
-    command.option("--rate-max", options.rate_hz_max, "Keyframes of a cascade a second, at most")
-        .takes("HZ");
-    command.option("--size-max", options.size_max, "Points a side of a map, at most")
-        .takes("POINTS");
+    options.limits.describe(command);
     return command;
 }
 
@@ -187,16 +184,19 @@ seaway::CommandLine& add_sample(seaway::CommandLine& line, seaway::bench::Sample
     command.option("--seconds", options.seconds, "For each row")
         .between(0.01, 60.0)
         .shows_default();
-    command.option("--points", options.points, "Rows of so many points at once alone")
-        .between(1, 1024);
-    command.option("--kernel", options.kernel, "best, or portable").shows_default();
+    command
+        .option("--points", options.points, "Rows of so many points at once alone: 1, 64 or 1024")
+        .one_of({1, 64, 1024});
+    command.option("--kernel", options.kernel, "best, or portable")
+        .one_of({"best", "portable"})
+        .shows_default();
     return command;
 }
 
 /// An exit status, or one line on stderr and 2.
 int finished(const seaway::Result<int>& status) {
     if (!status)
-        fmt::print(stderr, "seaway-bench: {}\n", status.error().message);
+        seaway::complain("seaway-bench", 2, status.error().message);
     return seaway::status_after_output("seaway-bench", status ? *status : 2, 2);
 }
 

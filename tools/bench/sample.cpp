@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/elapsed.h"
+#include "base/quantile.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/surface.h"
 #include "server/device/device_choice.h"
@@ -118,13 +119,7 @@ void measure(const HeldSurface& held, const Way& way, const SampleOptions& optio
         each_ns.push_back((after - before) / static_cast<double>(count));
         before = thread_ns();
     }
-    const auto at = [&](double share) {
-        const auto place = each_ns.begin() + static_cast<std::ptrdiff_t>(
-                                                 share * static_cast<double>(each_ns.size() - 1));
-        std::nth_element(each_ns.begin(), place, each_ns.end());
-        return *place;
-    };
-    const double median_ns = at(0.5), late_ns = at(0.99);
+    const double median_ns = quantile(each_ns, 0.5), late_ns = quantile(each_ns, 0.99);
     fmt::print("{:>6}  {:<22} {:<8} {:>9.0f} {:>9.0f} {:>10.2f}\n", way.points, name(way.times),
                way.parts == AnswerParts::all ? "all" : "height", median_ns, late_ns,
                1e3 / median_ns);

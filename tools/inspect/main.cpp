@@ -53,12 +53,9 @@ Result<std::vector<double>> frequencies(const std::string& list) {
     }
 }
 
-Result<std::string> spectrum_csv(const sea::Scene& scene, const std::string& list) {
-    const Result<std::vector<double>> omegas = frequencies(list);
-    if (!omegas)
-        return omegas.error();
+std::string spectrum_csv(const sea::Scene& scene, const std::vector<double>& omegas) {
     std::string out = "omega_radps,s_m2s\n";
-    for (const double omega : *omegas)
+    for (const double omega : omegas)
         out +=
             fmt::format("{:.17g},{:.17g}\n", omega, requested_frequency_density(scene.sea, omega));
     return out;
@@ -96,15 +93,19 @@ Result<std::string> run(const Options& options) {
     if (!scene)
         return scene.error();
     SEAWAY_TRY(check_steady(*scene, options));
-    if (!options.spectrum.empty() && options.plot.empty())
-        return spectrum_csv(*scene, options.spectrum);
+    std::vector<double> omegas;
+    if (!options.spectrum.empty()) {
+        SEAWAY_TRY_LET(omegas, frequencies(options.spectrum));
+    }
+    if (!omegas.empty() && options.plot.empty())
+        return spectrum_csv(*scene, omegas);
     const Result<inspect::Report> report = inspect::make_report(*scene);
     if (!report)
         return report.error();
     if (!options.plot.empty())
         SEAWAY_TRY(inspect::draw_picture(*report, options.plot));
-    if (!options.spectrum.empty())
-        return spectrum_csv(*scene, options.spectrum);
+    if (!omegas.empty())
+        return spectrum_csv(*scene, omegas);
     if (!options.points.empty())
         return points_csv(*report, options.points);
     if (!options.images.folder.empty())
@@ -116,15 +117,18 @@ void declare(CommandLine& line, Options& options) {
     line.option("scene", options.scene, "Scene file (docs/scenes.md)")
         .required()
         .takes("SCENE.toml");
-    line.option("--format", options.format, "Form of the report: text or json")
-        .one_of({"text", "json"})
-        .takes("FORMAT");
+    const CommandOption format =
+        line.option("--format", options.format, "Form of the report: text or json")
+            .one_of({"text", "json"})
+            .takes("FORMAT");
     const CommandOption spectrum = line.option("--spectrum", options.spectrum,
                                                "Print S(w) at these rad/s as CSV omega_radps,s_m2s")
+                                       .excludes(format)
                                        .takes("W1,W2,...");
     const CommandOption points =
         line.option("--eval", options.points,
                     "Print the exact surface at rows x_m,y_m,t_s of a CSV file ('-': stdin)")
+            .excludes(format)
             .excludes(spectrum)
             .takes("FILE.csv");
     line.option("--plot", options.plot, "Draw spectrum, directions and cascades").takes("FILE.png");
@@ -132,6 +136,7 @@ void declare(CommandLine& line, Options& options) {
         line.option("--images", options.images.folder,
                     "Draw h0(k), h(k,t), every pass and every map of each cascade but foam, "
                     "which is a history")
+            .excludes(format)
             .excludes(spectrum)
             .excludes(points)
             .takes("DIR");

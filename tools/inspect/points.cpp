@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -40,14 +39,6 @@ std::optional<std::array<std::string_view, 3>> split(std::string_view line) {
         line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
     }
     return fields;
-}
-
-std::optional<double> number_in(std::string_view text, double limit) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) <= limit))
-        return std::nullopt;
-    return value;
 }
 
 double sum_of_amplitudes(const sea::Realization& sea) {
@@ -92,8 +83,6 @@ Result<std::vector<sea::QueryPoint>> read_points(std::istream& in, const std::st
             return Error{fmt::format("{}:{}: more than {} points", name, number, csv_points_max)};
         points.push_back({values[0], values[1], sea::us_from_seconds(values[2])});
     }
-    if (in.bad())
-        return Error{fmt::format("cannot read '{}' to its end", name)};
     return points;
 }
 

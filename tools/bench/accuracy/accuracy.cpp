@@ -176,6 +176,7 @@ Result<void> Run::one(const Job& job) {
 Result<void> Run::all() {
     SEAWAY_TRY_LET(const std::vector<Job> all, jobs());
     Progress progress(static_cast<int>(all.size()));
+    int without_device = 0;
     for (const Job& job : all) {
         progress.begin(fmt::format("{}, {} {}", job.state, job.knob, job.trial.value));
         const int before = added_;
@@ -183,6 +184,7 @@ Result<void> Run::all() {
         const bool another = job.trial.configuration.device != options_.device;
         if (another && !server::choose_device(job.trial.configuration.device)) {
             progress.done(true);
+            ++without_device;
             continue;
         }
         SEAWAY_TRY(one(job));
@@ -194,8 +196,11 @@ Result<void> Run::all() {
         SEAWAY_TRY(write_error_map(gale, options_.out + "/error_map.csv", devices_));
     }
     progress.finish();
-    fmt::print("{}/accuracy.csv: {} trials measured, {} were there already\n", options_.out, added_,
-               static_cast<int>(all.size()) - added_);
+    fmt::print("{}/accuracy.csv: {} trials measured, {} were there already{}\n", options_.out,
+               added_, static_cast<int>(all.size()) - added_ - without_device,
+               without_device > 0
+                   ? fmt::format(", {} left out for want of their device", without_device)
+                   : "");
     return {};
 }
 

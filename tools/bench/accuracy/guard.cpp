@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "base/text_file.h"
 #include "tools/bench/accuracy/knobs.h"
 #include "tools/bench/accuracy/measure/measure.h"
+#include "tools/bench/accuracy/result_file.h"
 #include "tools/bench/accuracy/seas/configured_sea.h"
 #include "tools/bench/accuracy/seas/sea_states.h"
 #include "tools/bench/accuracy/truth/truth.h"
@@ -224,10 +224,7 @@ Result<bool> run_guard(const GuardOptions& options) {
     }
     SEAWAY_TRY_LET(const std::vector<GuardedFigure> measured, guarded_figures());
     if (options.renew) {
-        std::ofstream file(options.baseline);
-        file << guard_csv(measured);
-        if (!file.flush())
-            return Error{"cannot write " + options.baseline};
+        SEAWAY_TRY(write_result(options.baseline, guard_csv(measured)));
         fmt::print("{}: {} figures\n", options.baseline, measured.size());
         return true;
     }

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/accuracy/journal.h"
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <sstream>
 #include <thread>
 #include <vector>
@@ -13,6 +10,7 @@
 
 #include "gpu/device_info.h"
 #include "server/device/device_choice.h"
+#include "tools/commit.h"
 
 namespace seaway::bench {
 
@@ -69,13 +67,7 @@ std::string machine_name() {
 }
 
 std::string commit_name() {
-    const std::unique_ptr<FILE, int (*)(FILE*)> git(
-        popen("git describe --always --dirty 2>/dev/null", "r"), pclose);
-    std::array<char, 64> line{};
-    if (!git || !std::fgets(line.data(), line.size(), git.get()))
-        return "unknown";
-    const std::string name = line.data();
-    return name.substr(0, name.find('\n'));
+    return SEAWAY_COMMIT;
 }
 
 Result<Place> place_of(const Configuration& configuration, Devices& devices) {

@@ -29,8 +29,9 @@ struct Place {
 /// Where a configuration is measured. An error: there is no such device.
 Result<Place> place_of(const Configuration& configuration, Devices& devices);
 
-/// Of this machine and the repository in the working folder; "unknown" for what cannot be found out.
+/// Of this machine; "unknown" where it does not say.
 std::string machine_name();
+/// What this program was built from; "unknown" where that was no repository.
 std::string commit_name();
 
 struct TrialName {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/elapsed.h"
+#include "base/messages.h"
 
 namespace seaway::bench {
 
@@ -38,12 +39,11 @@ void Progress::begin(const std::string& name) {
         done_ > skipped_ ? fmt::format("{:.0f} s left", seconds_left()) : std::string("starting");
     if (terminal_) {
         const auto full = static_cast<std::size_t>(width * done_ / steps_);
-        fmt::print(stderr, "\r\033[K[{}{}] {}/{}, {}: {}", std::string(full, '#'),
-                   std::string(width - full, '.'), done_, steps_, left, name);
-        std::fflush(stderr);
+        tell(fmt::format("\r\033[K[{}{}] {}/{}, {}: {}", std::string(full, '#'),
+                         std::string(width - full, '.'), done_, steps_, left, name));
     } else if (Clock::now() - last_line_ > between_lines) {
         last_line_ = Clock::now();
-        fmt::print(stderr, "{}/{}, {}: {}\n", done_, steps_, left, name);
+        tell(fmt::format("{}/{}, {}: {}\n", done_, steps_, left, name));
     }
 }
 
@@ -54,7 +54,7 @@ void Progress::done(bool skipped) {
 
 void Progress::finish() {
     if (terminal_)
-        fmt::print(stderr, "\r\033[K");
+        tell("\r\033[K");
 }
 
 } // namespace seaway::bench

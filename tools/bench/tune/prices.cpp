@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <random>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/hash.h"
 #include "base/text_file.h"
 #include "tools/bench/accuracy/journal.h"
 #include "tools/bench/accuracy/measure/measure.h"
+#include "tools/bench/accuracy/result_file.h"
 #include "tools/bench/accuracy/seas/sea_states.h"
 
 namespace seaway::bench {
@@ -24,6 +24,16 @@ namespace {
 /// Tiles that hold fewer waves take fewer of Newton's steps: never less than this share of them.
 constexpr double steps_least = 0.8;
 constexpr int stage_rounds = 9;
+
+/// Which code it is that takes so long: prices of another build say nothing, whatever commit both are of.
+const std::string& this_program() {
+    constexpr std::size_t bytes_max = std::size_t{1} << 30;
+    static const std::string hash = [] {
+        const Result<std::string> bytes = read_text_file("/proc/self/exe", bytes_max);
+        return bytes ? hex_hash(*bytes) : std::string("unknown");
+    }();
+    return hash;
+}
 
 /// Points that answers are counted at: a few, anywhere.
 std::vector<sea::QueryPoint> counted_points() {
@@ -227,7 +237,7 @@ void StagePrices::read() {
     const auto json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
     // What another machine or other code took says nothing here; nor does what cannot be read.
     if (!json.is_object() || json.value("machine", "") != place_.machine ||
-        json.value("device", "") != place_.device || json.value("commit", "") != place_.commit)
+        json.value("device", "") != place_.device || json.value("program", "") != this_program())
         return;
     const auto number = [](const nlohmann::json& object, const char* key) {
         const auto found = object.find(key);
@@ -253,11 +263,10 @@ Result<void> StagePrices::write() const {
                          {"next_tile_ns", price.next_tile_ns}});
     const nlohmann::ordered_json json{
         {"machine", place_.machine},         {"device", place_.device},
-        {"commit", place_.commit},           {"encode_sample_ns", stages_.sample_ns},
+        {"program", this_program()},         {"encode_sample_ns", stages_.sample_ns},
         {"encode_byte_ns", stages_.byte_ns}, {"sizes", sizes}};
-    std::ofstream file(file_, std::ios::binary);
-    file << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
-    return file.flush() ? Result<void>() : Result<void>(Error{"cannot write " + file_});
+    return write_result(
+        file_, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n');
 }
 
 } // namespace

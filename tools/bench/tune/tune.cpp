@@ -7,14 +7,14 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 
-#include "base/text_file.h"
+#include "base/messages.h"
 #include "sea/certificate/certificate.h"
 #include "tools/bench/accuracy/journal.h"
 #include "tools/bench/accuracy/measure/measure.h"
+#include "tools/bench/accuracy/result_file.h"
 #include "tools/bench/tune/tuner.h"
 
 namespace seaway::bench {
@@ -112,17 +112,28 @@ Result<sea::Certificate> certificate_of(const sea::Scene& scene, const Target& t
     return c;
 }
 
-Result<void> can_be_written(const std::string& path) {
-    if (const Result<void> fine = check_replaceable(path); !fine)
-        return Error{fmt::format("{}: {}", path, fine.error().message)};
-    return {};
-}
+/// What the search leaves: a scene, and its certificate beside it.
+struct Outputs {
+    std::filesystem::path scene;
+    std::string certificate; ///< as the scene names it
 
-Result<void> write_file(const std::string& path, const std::string& text) {
-    SEAWAY_TRY(can_be_written(path));
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    return file.flush() ? Result<void>() : Result<void>(Error{"cannot write " + path});
+    explicit Outputs(const TuneCommand& command)
+        : scene(!command.out.empty()
+                    ? std::filesystem::path(command.out)
+                    : std::filesystem::path(std::filesystem::path(command.scene).stem().string() +
+                                            ".tuned.toml")),
+          certificate(scene.stem().string() + ".certificate.json") {}
+    std::filesystem::path certificate_path() const { return scene.parent_path() / certificate; }
+};
+
+/// Before an hour is spent on it.
+Result<void> check_outputs(const TuneCommand& command) {
+    const Outputs outputs(command);
+    std::error_code none;
+    if (std::filesystem::equivalent(outputs.scene, command.scene, none))
+        return Error{fmt::format("--out: {} is the scene to search for", outputs.scene.string())};
+    SEAWAY_TRY(check_result(outputs.certificate_path().string()));
+    return check_result(outputs.scene.string());
 }
 
 /// What can be had instead, and what it would take.
@@ -159,27 +170,23 @@ void say_not_reached(const Target& target, const Outcome& outcome) {
 
 Result<void> write_outputs(const TuneCommand& command, const Target& target, const Outcome& outcome,
                            const TuneOptions& options, sea::Scene scene, Devices& devices) {
-    const std::filesystem::path out =
-        !command.out.empty()
-            ? std::filesystem::path(command.out)
-            : std::filesystem::path(std::filesystem::path(command.scene).stem().string() +
-                                    ".tuned.toml");
-    const std::filesystem::path beside = out.parent_path();
-    const std::string name = out.stem().string() + ".certificate.json";
+    const Outputs outputs(command);
     SEAWAY_TRY_LET(sea::Certificate certificate,
                    certificate_of(scene, target, outcome, options, command.words, devices));
     SEAWAY_TRY_LET(certificate.beside_finer_waves_m,
                    measure_beside_finer(scene, target.percentile, options, devices));
-    scene.accuracy.certificate = {name, (beside / name).string()};
-    SEAWAY_TRY(write_file((beside / name).string(), to_json(certificate)));
-    const std::string note = fmt::format(
-        "# {} made cheapest for {}.\n# {} says what was measured.\n\n",
-        std::filesystem::path(command.scene).filename().string(), target_in_words(target), name);
-    SEAWAY_TRY(write_file(out.string(), note + to_toml(scene)));
-    fmt::print("{}: {}\n  {}\n  {}\n  beside waves twice to four times shorter: {}\n{}\n",
+    fmt::print("{}: {}\n  {}\n  {}\n  beside waves twice to four times shorter: {}\n",
                target_in_words(target), price_in_words(outcome.best.price),
                tiles_in_words(outcome.best), describe(certificate),
-               metres(*certificate.beside_finer_waves_m), out.string());
+               metres(*certificate.beside_finer_waves_m));
+    scene.accuracy.certificate = {outputs.certificate, outputs.certificate_path().string()};
+    SEAWAY_TRY(write_result(outputs.certificate_path().string(), to_json(certificate)));
+    const std::string note =
+        fmt::format("# {} made cheapest for {}.\n# {} says what was measured.\n\n",
+                    std::filesystem::path(command.scene).filename().string(),
+                    target_in_words(target), outputs.certificate);
+    SEAWAY_TRY(write_result(outputs.scene.string(), note + to_toml(scene)));
+    fmt::print("{}\n", outputs.scene.string());
     return {};
 }
 
@@ -204,8 +211,7 @@ Result<void> check_seeds(const TuneCommand& command, const Target& target,
 } // namespace
 
 Result<int> run_tune(const TuneCommand& command) {
-    if (!command.out.empty())
-        SEAWAY_TRY(can_be_written(command.out)); // before an hour is spent on it
+    SEAWAY_TRY(check_outputs(command));
     SEAWAY_TRY_LET(sea::Scene scene, sea::read_scene(command.scene));
     scene.accuracy.certificate = {};
     if (scene.accuracy.streams())
@@ -220,7 +226,7 @@ Result<int> run_tune(const TuneCommand& command) {
     options.envelope_share = 0.01 * command.envelope_pct;
     options.progress = [start = std::chrono::steady_clock::now()](const std::string& line) {
         const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start;
-        fmt::print(stderr, "{:5.1f} s  {}\n", since.count(), line);
+        tell(fmt::format("{:5.1f} s  {}\n", since.count(), line));
     };
     std::error_code failed;
     std::filesystem::create_directories(command.work, failed);

@@ -95,9 +95,9 @@ struct Parts {
     static void run(const void* context, int part, int) {
         const Parts& all = *static_cast<const Parts*>(context);
         const auto number = static_cast<std::size_t>(part);
-        const std::size_t end = (number + 1) * all.points.size() / all.count;
-        for (std::size_t i = number * all.points.size() / all.count; i < end; ++i)
-            all.answers[i] = all.sea->answer(all.points[i]);
+        const std::size_t begin = number * all.points.size() / all.count;
+        const std::size_t size = (number + 1) * all.points.size() / all.count - begin;
+        all.sea->answer(all.points.subspan(begin, size), all.answers.subspan(begin, size));
     }
 };
 
@@ -114,8 +114,7 @@ Result<std::vector<Figure>> in_process(const sea::Scene& scene, const Configurat
                         std::span<sea::Answer> answers) -> Result<void> {
         if (summed)
             SEAWAY_TRY(sea->go_to(time_us));
-        for (std::size_t i = 0; i < asked.size(); ++i)
-            answers[i] = sea->answer(asked[i]);
+        sea->answer(asked, answers);
         return {};
     };
     if (batch.asked == Asked::one_thread)

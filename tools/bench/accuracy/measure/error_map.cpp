@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/accuracy/measure/error_map.h"
 
-#include <filesystem>
-#include <fstream>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/whole_file.h"
 #include "tools/bench/accuracy/truth/in_threads.h"
 #include "tools/bench/accuracy/truth/points.h"
 
@@ -38,8 +38,6 @@ Result<std::vector<double>> heights(const sea::Scene& scene, const Configuration
 } // namespace
 
 Result<void> write_error_map(const sea::Scene& scene, const std::string& path, Devices& devices) {
-    if (std::filesystem::exists(path))
-        return {};
     Configuration engine = balanced(scene);
     engine.space = SpaceRule::bilinear;
     engine.time = TimeRule::linear;
@@ -52,15 +50,14 @@ Result<void> write_error_map(const sea::Scene& scene, const std::string& path, D
     SEAWAY_TRY_LET(const auto truth, heights(scene, exactly, devices, time_us));
     SEAWAY_TRY_LET(const auto ours, heights(scene, balanced(scene), devices, time_us));
     SEAWAY_TRY_LET(const auto theirs, heights(scene, engine, devices, time_us));
-    std::ofstream file(path);
-    file << "x_m,y_m,height_m,balanced_m,engine_m\n";
+    std::string rows = "x_m,y_m,height_m,balanced_m,engine_m\n";
     for (std::size_t i = 0; i < truth.size(); ++i)
-        file << fmt::format("{:.2f},{:.2f},{:.5f},{:.6f},{:.6f}\n",
+        rows += fmt::format("{:.2f},{:.2f},{:.5f},{:.6f},{:.6f}\n",
                             coordinate(static_cast<int>(i) % map_side),
                             coordinate(static_cast<int>(i) / map_side), truth[i],
                             ours[i] - truth[i], theirs[i] - truth[i]);
-    if (!file.flush())
-        return Error{"cannot write " + path};
+    if (const Result<void> written = write_whole_file(path, rows); !written)
+        return Error{fmt::format("{}: {}", path, written.error().message)};
     return {};
 }
 

@@ -12,8 +12,8 @@
 namespace seaway::bench {
 
 /// Writes `path`, rows of x_m,y_m,height_m,balanced_m,engine_m: the truth, the balanced preset's error,
-/// and that of the same maps at 16 bits, filtered and interpolated linearly. About 3 s; a file that is
-/// there is left as it is.
+/// and that of the same maps at 16 bits, filtered and interpolated linearly. About 3 s. A file that is
+/// there is replaced: it may be of another seed.
 Result<void> write_error_map(const sea::Scene& scene, const std::string& path, Devices& devices);
 
 } // namespace seaway::bench

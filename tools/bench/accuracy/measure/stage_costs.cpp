@@ -83,6 +83,8 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
                            exact("bytes_per_s", 0), exact("memory_mb", 0)};
     double keyframe_ms = 0, device_ms = 0, splines_ms = 0, encode_ms = 0, decode_ms = 0, bytes = 0,
            memory = 0;
+    // Of a map that is made anew for each time there is one.
+    const double held = configuration.time == TimeRule::every_frame ? 1.0 : 2.0;
     for (std::size_t c = 0; c < sea.waves().used->cascades.size(); ++c) {
         const int size = sea.waves().used->cascades[c].spec.size;
         const double a_second =
@@ -93,10 +95,10 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
         const auto points = static_cast<double>(size) * size;
         if (configuration.space == SpaceRule::spline) {
             splines_ms += a_second * spline_ms(size);
-            memory += 2.0 * static_cast<double>(sea::SplineMap::bytes_of(size));
+            memory += held * static_cast<double>(sea::SplineMap::bytes_of(size));
         } else {
             const double values = configuration.format == MapFormat::f32 ? 4.0 : 2.0;
-            memory += points * sea::linear_field_count * values;
+            memory += held * points * sea::linear_field_count * values;
         }
         const CodingCost& coding = sea.coding()[c];
         if (coding.keyframes == 0)

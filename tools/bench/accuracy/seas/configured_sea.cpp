@@ -258,11 +258,27 @@ int ConfiguredSea::evaluations(sea::QueryPoint point) const {
     return count;
 }
 
+bool ConfiguredSea::answers_as_served() const {
+    return surface_ && !configuration_.fixed_point_steps &&
+           configuration_.tolerance_m == Configuration{}.tolerance_m;
+}
+
 sea::Answer ConfiguredSea::answer(sea::QueryPoint point) const {
     point.time_us = shown_us_;
-    const bool as_served = surface_ && !configuration_.fixed_point_steps &&
-                           configuration_.tolerance_m == Configuration{}.tolerance_m;
-    return as_served ? surface_->answer(point) : solved(point);
+    return answers_as_served() ? surface_->answer(point) : solved(point);
+}
+
+void ConfiguredSea::answer(std::span<const sea::QueryPoint> points,
+                           std::span<sea::Answer> answers) const {
+    std::vector<sea::QueryPoint> shown(points.begin(), points.end());
+    for (sea::QueryPoint& point : shown)
+        point.time_us = shown_us_;
+    sea::MixedMaps mixed;
+    if (answers_as_served())
+        surface_->answer(shown, answers, {.mixed = &mixed});
+    else
+        std::transform(shown.begin(), shown.end(), answers.begin(),
+                       [&](const sea::QueryPoint& point) { return solved(point); });
 }
 
 } // namespace seaway::bench

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -58,6 +59,9 @@ class ConfiguredSea {
 
     /// Of the time gone to. Times of the points are not looked at.
     sea::Answer answer(sea::QueryPoint point) const;
+    /// Of points that are asked for together, at a time that nobody asked for before: as a server or a client answers them where
+    /// the rules are Seaway's own.
+    void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers) const;
     sea::LagrangianPoint at(double x_m, double y_m) const;
     /// Of one cascade alone. Maps only.
     sea::LagrangianPoint at(int cascade, double x_m, double y_m) const;
@@ -81,6 +85,7 @@ class ConfiguredSea {
         return configuration_.space == SpaceRule::spline &&
                configuration_.time == TimeRule::hermite;
     }
+    bool answers_as_served() const;
     sea::Answer solved(const sea::QueryPoint& point) const;
 
     Waves waves_;
