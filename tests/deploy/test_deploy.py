@@ -51,6 +51,8 @@ class Deploy(unittest.TestCase):
                     config.write_text(text + wrong)
                     checked = run("/usr/sbin/haproxy", "-c", "-f", config)
                     self.assertEqual(checked.returncode == 0, wrong == "", name + checked.stderr)
+                if not name.startswith("compose"):  # that image is not root's
+                    self.assertIn("\n    user haproxy\n", text, name)
                 self.assertIn("GET /readyz", text)
                 self.assertIn("GET /healthz", text)
                 # Sessions of a server that hangs end; those of one that is only in doubt do not.

@@ -131,8 +131,19 @@ class Packages(unittest.TestCase):
         self.assertLess(int(number), 1000, "a user of the system")
         enabled = self.root.folder / "etc/systemd/system/multi-user.target.wants/seaway-server.service"
         self.assertTrue(enabled.is_symlink(), "starts with the machine")
+        self.a_scene_stays_what_it_was()
         for path in (self.root.folder / "tmp").glob("*.deb"):
             path.unlink()
+
+    def a_scene_stays_what_it_was(self):
+        """Also where nobody edited it, and the next version of the package has another: its journal is of this one."""
+        scene, shipped = (self.root.folder / path for path in ("etc/seaway/sea.toml", "usr/share/seaway/sea.toml"))
+        self.assertEqual(scene.read_bytes(), shipped.read_bytes())
+        self.assertNotIn("sea.toml", self.root.run("dpkg-query", "--show", "-f", "${Conffiles}", "seaway-server").stdout)
+        first = scene.read_text()
+        scene.write_text(first + "# of the version before\n")
+        self.inside("dpkg", "-i", f"/tmp/{self.files['seaway-server'].name}")
+        self.assertEqual(scene.read_text(), first + "# of the version before\n")
 
     def serve_and_ask(self):
         """As the unit has it, but for the port and the folder of the journal that systemd makes."""

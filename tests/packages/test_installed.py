@@ -135,6 +135,17 @@ class Installed(unittest.TestCase):
         for name in ("sea.toml", "seaway-server.toml"):
             self.assertTrue((self.prefix / "etc/seaway" / name).is_file())
 
+    def test_what_an_operator_has_changed_stays(self):
+        for name in ("sea.toml", "seaway-server.toml"):
+            file = self.prefix / "etc/seaway" / name
+            first = file.read_text()
+            try:
+                file.write_text(first + "# mine\n")
+                said("cmake", "--install", BUILD, "--prefix", self.prefix, "--component", "server")
+                self.assertEqual(file.read_text(), first + "# mine\n")
+            finally:
+                file.write_text(first)
+
 
 if __name__ == "__main__":
     unittest.main()
