@@ -17,6 +17,8 @@ double Following::clock_budget_us() const {
 }
 
 Doubt Following::kind_of_doubt() const {
+    if (writing_us > writing_us_max)
+        return Doubt::writing;
     if (!shared)
         return Doubt::none;
     if (!stuck.empty())
@@ -45,6 +47,9 @@ std::string Following::doubt() const {
             "and {:.0f} mm are allowed",
             1e-3 * off_us, journal.peers.ahead_us > 0 ? "ahead of" : "behind", journal.peers.peers,
             1e-3 * off_us * vertical_mps, 1e3 * height_error_m);
+    case Doubt::writing:
+        return fmt::format("a change has been under way to the journal for {:.1f} s",
+                           sea::seconds_from_us(writing_us));
     case Doubt::behind:
         return fmt::format("{} of {} changes are played", played, journal.last_epoch);
     case Doubt::none:

@@ -12,6 +12,8 @@ namespace seaway::server {
 
 /// Changes of others may wait so long to be played: they begin a second after they have to be known.
 inline constexpr std::int64_t behind_us_max = 1'000'000;
+/// And one of its own may be under way to the journal: it begins a second after sessions have to be told of it.
+inline constexpr std::int64_t writing_us_max = 1'000'000;
 
 /// Why a server may not have the sea of the others.
 enum class Doubt {
@@ -19,6 +21,7 @@ enum class Doubt {
     stuck,   ///< what the log holds next cannot be played
     unheard, ///< the log has not been heard of; passes with that
     clock,   ///< its clock is off from those of the others
+    writing, ///< one of its own has been under way to the journal for so long that others should have been told; passes with that
     behind,  ///< some changes are not played yet; passes with that
 };
 
@@ -28,8 +31,10 @@ struct Following {
     bool shared = false;        ///< others append to it
     std::uint32_t played = 1;   ///< changes
     std::int64_t behind_us = 0; ///< for how long there have been some to play
-    bool late = false;          ///< one of those has begun, or does so within behind_us_max
-    double height_error_m = 0;  ///< of the sea that runs: its budget
+    std::int64_t writing_us =
+        0;             ///< for how long a change of its own has been under way to the journal
+    bool late = false; ///< one of those has begun, or does so within behind_us_max
+    double height_error_m = 0; ///< of the sea that runs: its budget
     double vertical_mps = 0; ///< and five standard deviations of its vertical velocity, at its pace
     std::string stuck;       ///< why the next one cannot be
 

@@ -288,6 +288,8 @@ Result<std::uint32_t> SeaDirector::log(SeaChange change, const std::function<voi
 }
 
 Result<void> SeaDirector::append(const SeaChange& change) {
+    writing_since_us_ = SeaClock::steady_now_us();
+    const Undo written([this] { writing_since_us_ = 0; });
     const Result<void> kept = journal_ ? journal_->append(change) : Result<void>();
     if (kept)
         return {};
@@ -308,6 +310,11 @@ Result<void> SeaDirector::append(const SeaChange& change) {
     return kept;
 }
 
+void SeaDirector::was_late() {
+    missed_ = true;
+    spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"", changes_.load());
+}
+
 Result<SeaPromise> SeaDirector::make_pace(int permille) {
     const TimeUs now_us = clock_.moment().elapsed_us;
     const auto promised = std::ranges::count_if(
@@ -323,6 +330,8 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
                    }));
     spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_.load(),
                  permille / static_cast<double>(sea::pace_unit), sea::seconds_from_us(pace.sea_us));
+    if (clock_.moment().elapsed_us > pace.from_us)
+        was_late();
     return SeaPromise{0, pace.sea_us, pace.sea_us, number};
 }
 
@@ -350,8 +359,7 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
                  sea::seconds_from_us(promise.end_us - promise.start_us),
                  planned->to->summary.realised.significant_height_m);
     if (clock_.now_us() > promise.start_us)
-        spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"",
-                     changes_.load());
+        was_late();
     return promise;
 }
 

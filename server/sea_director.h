@@ -60,7 +60,7 @@ class SeaDirector {
     void falls_behind();
     Result<void> play(const SeaChange& change);
     Following following() const;
-    /// Sends the sessions to other servers when this one begins to doubt its sea, or has missed the beginning of a change.
+    /// Sends the sessions to other servers when this one begins to doubt its sea, or sessions were told of a change when it had begun.
     void look_for_doubt();
     /// Where there is no memory now, the next look does.
     void announce();
@@ -78,6 +78,8 @@ class SeaDirector {
     /// plays what was written once there is: the error says so. Its number in the journal; 0: there is none.
     Result<std::uint32_t> log(SeaChange change, const std::function<void()>& effect);
     Result<void> append(const SeaChange& change);
+    /// Sessions were told of a change of its own when it had begun: they are sent away, to begin with what is true.
+    void was_late();
     /// The time that others need to hear of a change, in sea time.
     sea::TimeUs spread() const;
     /// How fast the sea runs, soon.
@@ -100,7 +102,8 @@ class SeaDirector {
     Journal* const journal_;
     std::atomic<std::uint32_t> changes_; ///< that were played
     std::atomic<std::int64_t> behind_since_us_ =
-        0;              ///< by the steady clock; 0: all that the journal holds is played
+        0; ///< by the steady clock; 0: all that the journal holds is played
+    std::atomic<std::int64_t> writing_since_us_ = 0; ///< likewise, a change of its own; 0: none
     std::string doubt_; ///< of the last look; this and what follows of the director's thread
     bool handed_over_for_doubt_ = false; ///< that lasts
     bool missed_ = false;                ///< a change had begun when it came

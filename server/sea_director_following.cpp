@@ -103,7 +103,7 @@ Result<void> SeaDirector::play(const SeaChange& change) {
 void SeaDirector::look_for_doubt() {
     (void)world_.sea_time(); // so that it knows since when it is unsure, also while nobody asks
     const std::optional<Following> now = world_.following();
-    if (!now || !now->shared)
+    if (!now || (!now->shared && !missed_))
         return;
     const std::string why = now->doubt();
     handed_over_for_doubt_ = handed_over_for_doubt_ && !why.empty();
@@ -134,6 +134,8 @@ Following SeaDirector::following() const {
                   .played = changes_,
                   .stuck = {}};
     const std::int64_t since_us = behind_since_us_;
+    const std::int64_t writing_since_us = writing_since_us_;
+    now.writing_us = writing_since_us > 0 ? SeaClock::steady_now_us() - writing_since_us : 0;
     now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
     // Nobody else has a journal that is not shared, and to read it is to wait for a disk.
     if (now.shared && now.played < now.journal.last_epoch)

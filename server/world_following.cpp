@@ -62,8 +62,10 @@ std::optional<Following> World::following() const {
     Following now = follow();
     const RunningSeaPtr sea = sea_now();
     now.height_error_m = sea->budget.height_error_m;
-    now.vertical_mps =
-        vertical_mps(sea->summary.realised) * clock_.moment().pace_permille / sea::pace_unit;
+    double most_mps = vertical_mps(sea->summary.realised);
+    if (sea->glide) // a little more once it has ended
+        most_mps = std::max(most_mps, vertical_mps(sea->glide->realised));
+    now.vertical_mps = most_mps * clock_.moment().pace_permille / sea::pace_unit;
     return now;
 }
 
@@ -75,8 +77,10 @@ sea::SeaTime World::sea_time() const {
         const bool unsure = now && !now->doubt().empty();
         const std::int64_t since_us = unsure_since_us_;
         // It has been told of all changes up to when it heard of the log last, whoever looked meanwhile.
-        const std::int64_t heard_us =
-            now_us - (unsure && !now->journal.current ? now->journal.unheard_us : 0);
+        const std::int64_t heard_us = now_us - (!unsure                 ? 0
+                                                : now->writing_us > 0   ? now->writing_us
+                                                : !now->journal.current ? now->journal.unheard_us
+                                                                        : 0);
         unsure_since_us_ = !unsure ? 0 : since_us == 0 ? heard_us : std::min(since_us, heard_us);
     }
     const SeaMoment moment = clock_.moment();
@@ -92,6 +96,8 @@ Health World::health() const {
         return health;
     if (const std::optional<Following> now = following()) {
         health.why = now->doubt();
+        if (health.why.empty() && now->journal.compares)
+            health.why = "it has just begun to compare its clock with those of others";
         health.ready = health.why.empty();
     }
     return health;

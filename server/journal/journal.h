@@ -61,8 +61,10 @@ struct JournalStanding {
     /// It holds whatever was made longer ago than spread_us().
     bool current = true;
     bool settles = false; ///< not current yet, and about to be: who answers is sure again
-    PeersSeen peers;      ///< how far this server's clock is from those of others with the same log
-    std::string trouble;  ///< what is wrong, one line; empty: nothing
+    bool compares =
+        false;       ///< it has just begun to compare clocks, and not two others have answered yet
+    PeersSeen peers; ///< how far this server's clock is from those of others with the same log
+    std::string trouble; ///< what is wrong, one line; empty: nothing
 };
 
 class Journal {

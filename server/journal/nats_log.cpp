@@ -27,8 +27,9 @@ using Acknowledgement = std::unique_ptr<jsPubAck, Destroy<jsPubAck, jsPubAck_Des
 using Subscription =
     std::unique_ptr<natsSubscription, Destroy<natsSubscription, natsSubscription_Destroy>>;
 
-/// Messages that are asked for and have not come; of 3 KB each.
-constexpr std::uint64_t reads_under_way = 256;
+/// Messages that are asked for and have not come: as many as weigh so much, by those that have; NATS cuts off who has 64 MB to come.
+constexpr std::uint64_t reads_under_way_max = 256, reads_under_way_min = 8;
+constexpr std::uint64_t bytes_under_way = 16 << 20;
 /// Before those that have not come are asked for again.
 constexpr int silence_ms = 100;
 
@@ -69,7 +70,12 @@ std::string said(natsStatus status, int code) {
         code == JSNotEnabledForAccountErr)
         return "nobody there keeps logs: NATS runs without JetStream, or does not have it yet";
     const char* last = nats_GetLastError(nullptr);
-    return code != 0 && last ? std::string(last) : natsStatus_GetText(status);
+    if (code == 0 || !last)
+        return natsStatus_GetText(status);
+    const std::string words =
+        last; // "(jsm.c:1033): stream is offline": the place is one of the library
+    const std::size_t end = words.starts_with('(') ? words.find("): ") : std::string::npos;
+    return end == std::string::npos ? words : words.substr(end + 3);
 }
 
 /// The engine has answered, and that is its answer. All else is the network's, or passes.
@@ -78,6 +84,10 @@ bool is_final(natsStatus status, int code) {
     switch (code) {
     case JSNotEnabledErr:
     case JSNotEnabledForAccountErr:
+    case JSClusterIncompleteErr:
+    case JSClusterNotActiveErr:
+    case JSClusterNotAssignedErr:
+    case JSStreamOfflineErr:
     case JSClusterNoPeersErr:
     case JSClusterNotAvailErr:
     case JSClusterNotLeaderErr:
@@ -202,6 +212,9 @@ Result<SharedLog::Tail> NatsLog::tail() {
                     fmt::format("stream {} {}: it cannot hold the log of a sea; it is left as it "
                                 "is",
                                 stream_, fault)};
+            if (info->State.Msgs != info->State.LastSeq && info->State.FirstSeq <= 1)
+                return Error{fmt::format("stream {} holds {} of {} messages: others were deleted",
+                                         stream_, info->State.Msgs, info->State.LastSeq)};
             if (info->State.LastSeq > 0 && info->State.FirstSeq != 1)
                 return Error{fmt::format("stream {} begins at message {}: what was before is lost",
                                          stream_, info->State.FirstSeq)};
@@ -243,7 +256,7 @@ Result<std::vector<SharedLog::Stored>> NatsLog::read(std::uint64_t first, std::u
                                                    fmt::format("{{\"seq\":{}}}", number).c_str());
     };
     std::vector<std::optional<Stored>> messages(last - first + 1);
-    std::uint64_t asked = 0, come = 0;
+    std::uint64_t asked = 0, come = 0, reads_under_way = reads_under_way_min, largest = 1;
     for (int silences = 0; status == NATS_OK && come < messages.size();) {
         for (; status == NATS_OK && asked < messages.size() && asked - come < reads_under_way;
              ++asked)
@@ -264,6 +277,9 @@ Result<std::vector<SharedLog::Stored>> NatsLog::read(std::uint64_t first, std::u
         messages[number - first] =
             Stored{std::string(natsMsg_GetData(next), bytes), stored_utc_us(next), id_of(next)};
         ++come;
+        largest = std::max<std::uint64_t>(largest, bytes);
+        reads_under_way =
+            std::clamp(bytes_under_way / largest, reads_under_way_min, reads_under_way_max);
         silences = 0;
     }
     if (status != NATS_OK)

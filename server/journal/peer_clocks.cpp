@@ -114,10 +114,14 @@ void PeerClocks::make_place() {
 PeersSeen PeerClocks::seen(LocalUs local_us) const {
     // Places of all clocks relative to this one, and how far they may be to either side of that.
     std::vector<double> places{0}, least{0}, most{0};
+    int peers = 0;
     {
         const std::scoped_lock lock(mutex_);
         for (const auto& [name, peer] : peers_) {
             if (!peer.answered_us || local_us - *peer.answered_us > heard_us)
+                continue;
+            ++peers;
+            if (local_us - *peer.answered_us > judges_us)
                 continue;
             // Not as of now: what each may have run off since grows until its next word, and with it what is certain would come and go.
             const ClockStatus status = peer.filter.status(peer.filter.looked_us());
@@ -128,7 +132,7 @@ PeersSeen PeerClocks::seen(LocalUs local_us) const {
     }
     const double middle = middle_of(places);
     // The middle of all lies between the middles of what each can be.
-    return {static_cast<int>(places.size()) - 1, -middle,
+    return {peers, static_cast<int>(places.size()) - 1, -middle,
             std::max(middle_of(most) - middle, middle - middle_of(least))};
 }
 

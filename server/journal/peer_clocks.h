@@ -27,11 +27,13 @@
 namespace seaway::server {
 
 struct PeersSeen {
-    int peers = 0;       ///< that have answered within heard_us
-    double ahead_us = 0; ///< this clock, of the middle one of all as they were last heard
+    int peers = 0;  ///< that have answered within heard_us
+    int judges = 0; ///< of them, within judges_us
+    double ahead_us =
+        0; ///< this clock, of the middle one of these and this one, as they were last heard
     double error_us =
         0; ///< bound on that, but while a machine's own clock is corrected: then by up to half a millisecond more
-    bool can_judge() const { return peers >= 2; }
+    bool can_judge() const { return judges >= 2; }
 };
 
 class PeerClocks {
@@ -39,6 +41,9 @@ class PeerClocks {
     static constexpr std::int64_t every_us = 1'000'000;
     /// One that says nothing for so long has gone.
     static constexpr std::int64_t heard_us = 10'000'000;
+    /// Whose word counts: two in a row that did not come are of a server that has ended. One that starts again has another name, and
+    /// would have two voices.
+    static constexpr std::int64_t judges_us = 2'500'000;
     /// That are heard. Beyond it who has been silent longest makes place, of those who never said back to us if there is one:
     /// each start of a server has a name of its own.
     static constexpr std::size_t peers_max = 1024;

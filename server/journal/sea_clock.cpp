@@ -34,6 +34,8 @@ SeaMoment SeaClock::moment() {
 }
 
 SeaMoment SeaClock::locked_moment() {
+    // In this order a stop between the two leaves the sea behind, which heals, and not ahead.
+    const std::int64_t utc_us = utc_();
     const std::int64_t steady_us = steady_();
     const sea::TimeUs passed_us = std::max<sea::TimeUs>(steady_us - steady_us_, 0);
     steady_us_ = std::max(steady_us_, steady_us);
@@ -42,7 +44,7 @@ SeaMoment SeaClock::locked_moment() {
     unspent_us_ += passed_us;
     const sea::TimeUs most_us = unspent_us_ / pull_parts;
     unspent_us_ %= pull_parts;
-    const sea::TimeUs behind_us = utc_() - epoch_utc_us_ - elapsed_us_;
+    const sea::TimeUs behind_us = utc_us - epoch_utc_us_ - elapsed_us_;
     const sea::TimeUs caught_up_us =
         behind_us > leap_us ? behind_us : std::clamp(behind_us, -most_us, most_us);
     elapsed_us_ += caught_up_us;

@@ -137,9 +137,10 @@ Result<void> SharedJournal::hold(const SharedLog::Stored& stored, std::uint64_t 
     if (number == 1 && (logged->change.start_us != 0 || logged->change.pace))
         return named("is not the sea that a log begins with");
     logged->change.lapsed = is_lapsed(*logged, stored);
+    const std::uint64_t with_verdict = sum_with_verdict(sum, logged->change.lapsed);
     changes_.push_back(std::move(logged->change));
     // Once it is held: where there was no memory for it the next look takes it.
-    sum_ = sum_with_verdict(sum, changes_.back().lapsed);
+    sum_ = with_verdict;
     last_at_utc_us_ = stored.at_utc_us;
     last_by_utc_us_ = logged->by_utc_us;
     return {};
@@ -249,11 +250,26 @@ Error SharedJournal::refused(const Error& why) const {
     return error;
 }
 
+/// Where the sea's clock is pulled towards the machine's, which was set forward, and NATS has shown that it agrees with that: all that
+/// is made until it is there would lapse as well, and stay in the log.
+Result<void> SharedJournal::check_with_utc(std::int64_t made_utc_us) {
+    const std::int64_t behind_us = options_.utc() - made_utc_us;
+    lapses_ = lapses_ && behind_us > stored_within_us / 2;
+    if (!lapses_)
+        return {};
+    return Error{JournalError::clock_behind,
+                 wrong(fmt::format("takes nothing: the sea is {:.1f} s behind UTC since this "
+                                   "machine's clock was set; a restart takes it there",
+                                   1e-6 * static_cast<double>(behind_us)))
+                     .message};
+}
+
 Result<void> SharedJournal::append(const SeaChange& change) {
     // Of now, when its start was planned, however long the log keeps it waiting.
-    const std::int64_t by_utc_us = utc_us() + stored_within_us;
+    const std::int64_t made_utc_us = utc_us(), by_utc_us = made_utc_us + stored_within_us;
     const std::int64_t made_us = options_.steady();
     const std::scoped_lock lock(log_mutex_);
+    SEAWAY_TRY(check_with_utc(made_utc_us));
     const std::int64_t began_us = options_.steady();
     // Also so that nothing is written to a log that is not the one that was followed.
     const Result<SharedLog::Tail> end = catch_up();
@@ -298,6 +314,7 @@ Result<void> SharedJournal::append(const SeaChange& change) {
                     change.epoch, stored_within_us / 1'000'000);
     if (options_.steady() - began_us > stored_within_us)
         return Error{JournalError::lapsed, wrong(late).message};
+    lapses_ = true;
     return Error{
         JournalError::clock_behind,
         wrong(late + ". It was stored at once: this server's clock is behind that of NATS, and one "
@@ -318,6 +335,8 @@ JournalStanding SharedJournal::standing() const {
                              .peers = elapsed_us_ ? clocks_.seen(options_.steady()) : PeersSeen{},
                              .trouble = trouble_};
     standing.current = standing.unheard_us <= current_us;
+    standing.compares = elapsed_us_ && standing.peers.judges < 2 &&
+                        options_.steady() - comparing_since_us_ < compares_us;
     standing.settles = !standing.current && sure_us_.has_value();
     return standing;
 }
@@ -328,6 +347,7 @@ void SharedJournal::compare_clocks(std::function<std::int64_t()> elapsed_us) {
     {
         const std::scoped_lock lock(mutex_);
         elapsed_us_ = std::move(elapsed_us);
+        comparing_since_us_ = options_.steady();
     }
     // In this order what the sea shows lies within the trip, however long this thread waits for its processor in between.
     if (line_)

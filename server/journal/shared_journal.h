@@ -41,6 +41,8 @@ class SharedJournal final : public Journal {
     /// A change that is stored so much later than it was made has lapsed, wherever it was meanwhile. By the engine's clock: one that
     /// is ahead of the server's by more takes no change.
     static constexpr std::int64_t stored_within_us = 1'000'000;
+    /// As long takes the first exchange of words with others, where there are some.
+    static constexpr std::int64_t compares_us = 2'500'000;
     /// A change whose end is not known is written as often, under one id, before it is `unknown`.
     static constexpr int writes_max = 3;
 
@@ -91,6 +93,7 @@ class SharedJournal final : public Journal {
     Error refused(const Error& why) const;
     /// By the clock of the sea, once that runs.
     std::int64_t utc_us() const;
+    Result<void> check_with_utc(std::int64_t made_utc_us);
     /// Remembers what came of asking the log.
     void heard(std::int64_t asked_us, const Result<SharedLog::Tail>& tail);
     void run();
@@ -103,6 +106,7 @@ class SharedJournal final : public Journal {
     std::int64_t last_at_utc_us_ = 0; ///< of the last one that is held
     std::int64_t last_by_utc_us_ = 0; ///< and by when it had to be stored
     std::uint64_t writes_ = 0;
+    bool lapses_ = false;           ///< the last one that was made did so at once
     std::int64_t epoch_utc_us_ = 0; ///< never changes once it is open
 
     mutable std::mutex mutex_; ///< of what follows
@@ -116,7 +120,8 @@ class SharedJournal final : public Journal {
 
     PeerClocks clocks_;
     std::function<std::int64_t()> elapsed_us_; ///< none: clocks are not compared
-    std::unique_ptr<PeerLine> line_;           ///< ends before what it calls
+    std::int64_t comparing_since_us_ = 0;
+    std::unique_ptr<PeerLine> line_; ///< ends before what it calls
 
     std::mutex stop_mutex_;
     std::condition_variable stop_;

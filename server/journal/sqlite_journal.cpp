@@ -34,11 +34,11 @@ constexpr const char* layout = R"(
 )";
 static_assert(application_id == 1399153015 && version == 1, "as the layout says");
 
-/// A disk that is full, or does not answer, is no wrong journal: it passes.
+/// A disk that is full, or does not answer, or another program that holds the file, is no wrong journal: it passes.
 Error sql_error(sqlite3* database) {
     const int code = sqlite3_errcode(database) & 0xff;
     Error error{sqlite3_errmsg(database)};
-    if (code == SQLITE_FULL || code == SQLITE_IOERR)
+    if (code == SQLITE_FULL || code == SQLITE_IOERR || code == SQLITE_BUSY || code == SQLITE_LOCKED)
         error.kind = JournalError::unreachable;
     return error;
 }
@@ -207,6 +207,7 @@ Result<std::unique_ptr<SqliteJournal>> SqliteJournal::try_open(const std::string
     if (const Result<void> opened = journal->open_file(); !opened)
         return journal->not_opened(opened.error());
     journal->file_ = file_identity(journal->path_);
+    journal->log_file_ = file_identity(journal->path_ + "-wal");
     return journal;
 }
 
@@ -360,12 +361,15 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
     const std::scoped_lock lock(mutex_);
     if (const Result<void> next = check_next(last_, change); !next)
         return wrong(next.error().message);
-    if (file_identity(path_) != file_) // what is written to it nobody would find
+    const std::optional<FileIdentity> log_file = file_identity(path_ + "-wal");
+    if (file_identity(path_) != file_ ||
+        (log_file_ && log_file != log_file_)) // what is written to it nobody would find
         return wrong("was removed or replaced while this server runs: a restart goes on with what "
                      "is there then");
     const std::uint64_t sum = sum_of(sum_, change);
     if (const Result<void> written = insert(database_.get(), change, sum); !written)
         return undone(wrong(written.error().message));
+    log_file_ = log_file_ ? log_file_ : file_identity(path_ + "-wal");
     sum_ = sum;
     hold(change);
     return {};

@@ -62,7 +62,8 @@ class SqliteJournal final : public Journal {
 
     FolderLock lock_;
     std::string path_;
-    std::optional<FileIdentity> file_; ///< that was opened
+    std::optional<FileIdentity> file_;     ///< that was opened
+    std::optional<FileIdentity> log_file_; ///< and what SQLite writes first, beside it
     mutable std::mutex mutex_;
     Database database_;
     mutable std::mutex reading_;

@@ -36,7 +36,20 @@ struct Counters {
     std::map<std::string, std::uint64_t, std::less<>> tokens_refused{
         {"in_the_clear", 0}, {"too_many_wrong", 0}, {"wrong", 0}};
     std::uint64_t reads_delayed = 0; ///< an address had sent too many bytes
-    std::map<std::string, std::uint64_t, std::less<>> sessions_closed; ///< by reason
+    /// By reason; likewise.
+    std::map<std::string, std::uint64_t, std::less<>> sessions_closed{{"bad_message", 0},
+                                                                      {"bad_value", 0},
+                                                                      {"closed_by_client", 0},
+                                                                      {"disconnected", 0},
+                                                                      {"dropped", 0},
+                                                                      {"hello_expected", 0},
+                                                                      {"idle", 0},
+                                                                      {"internal", 0},
+                                                                      {"shutting_down", 0},
+                                                                      {"too_many_requests", 0},
+                                                                      {"too_slow", 0},
+                                                                      {"unauthorised", 0},
+                                                                      {"unsupported_version", 0}};
     /// By error code; likewise.
     std::map<std::string, std::uint64_t, std::less<>> requests_refused{
         {"bad_value", 0},       {"internal", 0},          {"not_offered", 0}, {"too_large", 0},

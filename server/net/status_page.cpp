@@ -106,7 +106,7 @@ function showSea(state) {
     ["Comes from", number(is.mean_from_deg, 0) + "\u00b0", number(wish.mean_from_deg, 0) + "\u00b0"],
     ["Heights within", number(state.height_error_m, 3) + " m", ""],
     ["Sea time", number(state.sea_time_s, 1) + " s", "epoch " + state.epoch],
-    ["Changes", state.glides_until_s === null ? "none under way" : "glides until " + number(state.glides_until_s, 1) + " s",
+    ["Changes", state.glides_until_s === null ? "none under way" : "from Hs " + number(state.realised_before.hs_m, 2) + " m until " + number(state.glides_until_s, 1) + " s",
       state.pace === 1 ? "" : "pace " + number(state.pace, 2)],
     ["Scene", state.scene, ""]], ["", "realised", "requested"]);
 }
@@ -156,7 +156,8 @@ async function showMap(state) {
   const heights = new Float32Array(side * side);
   for (let i = 0; i < heights.length; ++i) heights[i] = bytes.getFloat32(header_bytes + 4 * i, true);
   const lowest = Math.min(...heights), highest = Math.max(...heights);
-  const reach_m = Math.max(0.8 * state.realised.hs_m, 1e-3); // a calm sea is flat, not noise
+  const highest_hs_m = Math.max(state.realised.hs_m, state.realised_before ? state.realised_before.hs_m : 0);
+  const reach_m = Math.max(0.8 * highest_hs_m, 1e-3); // a calm sea is flat, not noise
   canvas.width = canvas.height = side;
   const context = canvas.getContext("2d"), picture = context.createImageData(side, side);
   for (let y = 0; y < side; ++y)

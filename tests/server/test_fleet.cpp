@@ -59,7 +59,7 @@ TEST(Fleet, a_change_at_one_server_is_the_sea_of_all_and_of_who_comes_later) {
     ServerProcess a(arguments_of(world)), b(arguments_of(world));
     const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready();
     ASSERT_FALSE(at_a.empty() || at_b.empty()) << a.log() << b.log();
-    EXPECT_TRUE(get(at_a, "/readyz").fine);
+    EXPECT_TRUE(tests::eventually([&] { return get(at_a, "/readyz").fine; }));
     const auto watcher = connect(at_b);
     ASSERT_TRUE(watcher);
     ASSERT_TRUE(watcher->subscribe({.fields = sea::surface_fields}, 8, 10));
@@ -164,6 +164,7 @@ TEST(Fleet,
         b(arguments_of(NatsServer::url(line.port(), "cut")));
     const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready();
     ASSERT_FALSE(at_a.empty() || at_b.empty()) << a.log() << b.log();
+    ASSERT_TRUE(tests::eventually([&] { return get(at_b, "/readyz").fine; }));
     line.stall(true);
     const Said said = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;

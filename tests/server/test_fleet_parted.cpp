@@ -50,6 +50,9 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
               std::string::npos)
         << get(at[leader], "/readyz").body;
     EXPECT_TRUE(get(at[leader], "/healthz").fine) << "it serves on";
+    // Who comes after that is not sent away again.
+    ASSERT_TRUE(tests::eventually(
+        [&] { return times_in(servers[leader]->log(), "event=handing_over") == 1; }));
     const std::vector<std::string> breeze{"set", "systems.0.wind_speed_10m_mps=15", "--over",
                                           "10s"};
     const Said refused = ctl(at[leader], breeze);

@@ -57,14 +57,27 @@ TEST(Following, each_doubt_has_its_kind) {
     Following following = certain();
     following.late = true;
     EXPECT_EQ(following.kind_of_doubt(), Doubt::behind);
-    following.journal.peers = {.peers = 2, .ahead_us = 11'000, .error_us = 500};
+    following.journal.peers = {.peers = 2, .judges = 2, .ahead_us = 11'000, .error_us = 500};
     EXPECT_EQ(following.kind_of_doubt(), Doubt::clock) << "11 ms at 1 m/s, of 10 mm";
-    following.journal.peers.peers = 1;
+    following.journal.peers.judges = 1;
     EXPECT_EQ(following.kind_of_doubt(), Doubt::behind) << "of two nobody knows which is off";
     following.journal.current = false;
     EXPECT_EQ(following.kind_of_doubt(), Doubt::unheard);
     following.stuck = "change 3 cannot be read";
     EXPECT_EQ(following.kind_of_doubt(), Doubt::stuck);
+}
+
+// Others should have been told of it by then, also where nobody shares the log.
+TEST(Following, a_change_that_is_long_under_way_to_the_journal_makes_it_doubt) {
+    for (const bool shared : {false, true}) {
+        Following following = certain();
+        following.shared = shared;
+        following.writing_us = writing_us_max;
+        EXPECT_EQ(following.kind_of_doubt(), Doubt::none);
+        following.writing_us = 3'200'000;
+        EXPECT_EQ(following.kind_of_doubt(), Doubt::writing);
+        EXPECT_EQ(following.doubt(), "a change has been under way to the journal for 3.2 s");
+    }
 }
 
 } // namespace

@@ -42,6 +42,7 @@ class ForgetfulJournal final : public Journal {
     mutable std::atomic<int> reads_fail = 0; ///< since()
     std::atomic<int> appends_fail = 0;       ///< behind the write
     std::optional<JournalError> refuses;     ///< each append
+    std::atomic<int> appends_take_ms = 0;
 
     const std::string& name() const override { return name_; }
     std::int64_t epoch_utc_us() const override { return 0; }
@@ -55,6 +56,7 @@ class ForgetfulJournal final : public Journal {
     Result<void> append(const SeaChange& change) override {
         if (refuses)
             return Error{*refuses, "it does not take it"};
+        std::this_thread::sleep_for(std::chrono::milliseconds(appends_take_ms));
         by_another(change, false);
         if (appends_fail > 0 && appends_fail-- > 0)
             throw std::bad_alloc();
@@ -177,6 +179,21 @@ TEST_F(Director, a_pace_that_held_already_when_it_came_hands_the_sessions_over) 
     ASSERT_TRUE(tests::eventually([&] { return following().played == 2u; }));
     EXPECT_EQ(handed_over, 0) << "this one is still to come";
     journal.by_another({.epoch = 3, .scene = {}, .pace = pace_from(-1'000'000, 2000)});
+    EXPECT_TRUE(tests::eventually([&] { return handed_over == 1; }));
+}
+
+// Naive: a disk that takes six seconds makes a change that has begun by then; nobody knew, and all looked certain.
+TEST_F(Director, a_change_of_its_own_that_is_written_too_late_is_a_doubt_and_starts_sessions_anew) {
+    std::atomic<int> handed_over = 0;
+    world.hand_over_by([&handed_over](const std::string& why) {
+        handed_over += why == "a change of the sea was missed";
+    });
+    journal.appends_take_ms = 6000; // it would begin after three, and one and an interval
+    std::promise<Result<SeaPromise>> made;
+    director->change(wish(), [&made](auto promise) { made.set_value(std::move(promise)); });
+    EXPECT_TRUE(tests::eventually([&] { return world.sea_time().unsure_us > 1'000'000; }));
+    EXPECT_EQ(following().kind_of_doubt(), Doubt::writing);
+    EXPECT_TRUE(made.get_future().get());
     EXPECT_TRUE(tests::eventually([&] { return handed_over == 1; }));
 }
 

@@ -124,17 +124,16 @@ TEST(NatsJournal, a_log_that_has_lost_its_end_is_named_and_not_written_to) {
 }
 
 /// Asks NATS as its own programs do, in its text protocol.
-std::string create_stream(int port, const std::string& name, const std::string& settings) {
+std::string ask_nats(int port, const std::string& subject, const std::string& body) {
     const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     (void)connect(line, reinterpret_cast<sockaddr*>(&address), sizeof address);
-    const std::string body = fmt::format("{{\"name\":\"{}\",{}}}", name, settings);
     const std::string text = fmt::format("CONNECT {{\"verbose\":false}}\r\nSUB answer 1\r\n"
-                                         "PUB $JS.API.STREAM.CREATE.{} answer {}\r\n{}\r\n",
-                                         name, body.size(), body);
+                                         "PUB {} answer {}\r\n{}\r\n",
+                                         subject, body.size(), body);
     (void)send(line, text.data(), text.size(), 0);
     std::string answer;
     const auto is_whole = [&answer] { // "MSG answer 1 LENGTH", and the line of that length
@@ -146,6 +145,11 @@ std::string create_stream(int port, const std::string& name, const std::string& 
         answer += byte;
     close(line);
     return answer.substr(std::min(answer.find("MSG answer"), answer.size()));
+}
+
+std::string create_stream(int port, const std::string& name, const std::string& settings) {
+    return ask_nats(port, "$JS.API.STREAM.CREATE." + name,
+                    fmt::format("{{\"name\":\"{}\",{}}}", name, settings));
 }
 
 TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
@@ -180,6 +184,23 @@ TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
         nats().port(), "SEAWAY_" + world,
         fmt::format(R"("subjects":["seaway.{}.log"],"storage":"file","allow_direct":true)", world));
     EXPECT_EQ(error_at({.where = nats().url(world)}), "it was opened");
+}
+
+// Where the operator's stream lets messages be deleted. Naive: they are asked for until the start is given up, each time anew.
+TEST(NatsJournal, names_a_stream_out_of_which_a_message_was_deleted) {
+    const std::string world = fresh_world();
+    create_stream(
+        nats().port(), "SEAWAY_" + world,
+        fmt::format(R"("subjects":["seaway.{}.log"],"storage":"file","allow_direct":true)", world));
+    const auto journal = open_at(nats().url(world));
+    ASSERT_TRUE(journal);
+    for (std::uint32_t epoch = 2; epoch <= 4; ++epoch)
+        ASSERT_TRUE(journal->append(change(epoch)));
+    const std::string deleted =
+        ask_nats(nats().port(), "$JS.API.STREAM.MSG.DELETE.SEAWAY_" + world, "{\"seq\":2}");
+    ASSERT_NE(deleted.find("\"success\""), std::string::npos) << deleted;
+    const std::string error = error_at({.where = nats().url(world)});
+    EXPECT_NE(error.find("holds 3 of 4 messages"), std::string::npos) << error;
 }
 
 /// Takes whoever connects, and says nothing.

@@ -211,6 +211,21 @@ TEST(PeerClocks, who_falls_silent_counts_no_more) {
     EXPECT_FALSE(fleet.seen(0).can_judge());
 }
 
+// Naive: a server that is off and starts again has two voices for as long as its old name is remembered, and of three the two that are
+// right find themselves beside three others.
+TEST(PeerClocks, a_server_that_has_ended_judges_nobody_while_it_is_still_remembered) {
+    Fleet fleet({0, 0, 50'000, 50'000}, 500, 100); // the last one is the third, by another name
+    fleet.silence(3);
+    fleet.run(10);
+    fleet.silence(2); // it ends, and starts again
+    fleet.run(3);
+    const PeersSeen seen = fleet.seen(0);
+    EXPECT_EQ(seen.peers, 3) << "sessions may be handed over to somebody";
+    EXPECT_EQ(seen.judges, 2);
+    EXPECT_TRUE(seen.can_judge());
+    EXPECT_NEAR(seen.ahead_us, 0, most_off_us) << "one is right, one is not, and so is this one";
+}
+
 // As of servers that are started again and again: each start has another name, and says nothing more.
 TEST(PeerClocks, any_number_of_names_takes_no_more_places_and_none_from_who_answers) {
     PeerClocks clocks("me");

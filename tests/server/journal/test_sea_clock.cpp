@@ -78,6 +78,30 @@ TEST(SeaClock, is_pulled_and_never_steps_where_utc_is_set_by_a_little) {
     }
 }
 
+// Naive: a process that is stopped between the looks at its two clocks catches up twice.
+TEST(SeaClock, is_right_where_it_was_stopped_between_its_looks_at_two_clocks) {
+    Machine machine;
+    std::int64_t stop_us = 0;
+    const auto stopped = [&] { machine.pass(std::exchange(stop_us, 0)); };
+    SeaClock clock(
+        epoch_us,
+        [&] {
+            const std::int64_t utc_us = machine.utc_us;
+            stopped();
+            return utc_us;
+        },
+        [&] {
+            const std::int64_t steady_us = machine.steady_us;
+            stopped();
+            return steady_us;
+        });
+    stop_us = 15 * second_us; // behind the first of them, whichever that is
+    (void)clock.now_us();
+    machine.pass(second_us);
+    EXPECT_NEAR(static_cast<double>(clock.now_us()), static_cast<double>(machine.utc_us - epoch_us),
+                10'000);
+}
+
 TEST(SeaClock, is_pulled_as_fast_however_often_it_is_read) {
     Machine seldom, often;
     SeaClock one = seldom.clock(), other = often.clock();

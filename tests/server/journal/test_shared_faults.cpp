@@ -263,6 +263,24 @@ TEST_F(SharedFaults, a_change_is_made_by_the_clock_of_the_sea_and_not_by_the_mac
         const Result<void> by_the_sea = append(first);
         EXPECT_TRUE(by_the_sea) << by_the_sea.error().message;
     }
+    // The sea behind the machine, which is right: one change shows it, and those after it are not written.
+    auto behind = SharedJournal::open(
+        std::make_unique<LotLine>(engine, first.line, lots, now_us), beginning,
+        {"log", "behind", [this] { return now_us; }, [this] { return now_us; }});
+    ASSERT_TRUE(behind);
+    first.journal = *std::move(behind);
+    first.journal->compare_clocks(
+        [this] { return now_us - beginning.epoch_utc_us - 5 * one_second_us; });
+    const Result<void> shown = first.journal->append(next(first));
+    ASSERT_FALSE(shown);
+    EXPECT_TRUE(shown.error().is(JournalError::clock_behind));
+    const std::size_t written = engine.messages.size();
+    first.journal->poll();
+    const Result<void> known = first.journal->append(next(first));
+    ASSERT_FALSE(known);
+    EXPECT_NE(known.error().message.find("is 5.0 s behind UTC"), std::string::npos)
+        << known.error().message;
+    EXPECT_EQ(engine.messages.size(), written);
     // Ahead: stored a second late it would begin before all know of it, and has lapsed all the same.
     auto opened = SharedJournal::open(
         std::make_unique<LotLine>(engine, first.line, lots, now_us), beginning,

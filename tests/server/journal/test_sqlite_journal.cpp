@@ -64,6 +64,37 @@ TEST(SqliteJournal, keeps_nothing_in_a_file_that_was_removed_or_replaced) {
     EXPECT_EQ(journal->since(0).value().size(), 3u);
 }
 
+// Naive: SQLite writes on to the log of the file that has no name any more, and it is acknowledged.
+TEST(SqliteJournal, keeps_nothing_in_a_log_that_was_removed_from_beside_it) {
+    const std::string folder = fresh_folder();
+    auto journal = SqliteJournal::open(folder, beginning).value();
+    ASSERT_TRUE(journal->append(change(2)));
+    ASSERT_TRUE(fs::remove(folder + "/journal.sqlite-wal"));
+    const auto refused = journal->append(change(3));
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("was removed or replaced"), std::string::npos)
+        << refused.error().message;
+}
+
+// Who looks at it with another program lets go again: that is no wrong journal.
+TEST(SqliteJournal, that_another_program_holds_passes) {
+    const std::string folder = fresh_folder();
+    ASSERT_TRUE(SqliteJournal::open(folder, beginning).value()->append(change(2)));
+    sqlite3* other = nullptr;
+    ASSERT_EQ(sqlite3_open((folder + "/journal.sqlite").c_str(), &other), SQLITE_OK);
+    ASSERT_EQ(sqlite3_exec(other,
+                           "PRAGMA locking_mode = EXCLUSIVE; BEGIN IMMEDIATE; "
+                           "UPDATE sea SET epoch_utc_us = epoch_utc_us; COMMIT",
+                           nullptr, nullptr, nullptr),
+              SQLITE_OK);
+    const auto opened = SqliteJournal::open(folder, beginning);
+    ASSERT_FALSE(opened);
+    EXPECT_TRUE(opened.error().is(JournalError::unreachable)) << opened.error().message;
+    EXPECT_EQ(opened.error().message.find("damaged"), std::string::npos) << opened.error().message;
+    sqlite3_close(other);
+    EXPECT_TRUE(SqliteJournal::open(folder, beginning));
+}
+
 // A disk that has no room for the files beside it, which are made by whoever opens it: another start may find some.
 TEST(SqliteJournal, on_a_full_disk_is_no_wrong_one) {
     const std::string folder = fresh_folder(), fresh = fresh_folder();
