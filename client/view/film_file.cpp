@@ -11,25 +11,15 @@ namespace {
 
 std::vector<std::string> words_for(const std::string& path, int width, int height,
                                    int frames_a_second) {
-    std::vector<std::string> words{"ffmpeg",
-                                   "-hide_banner",
-                                   "-loglevel",
-                                   "error",
-                                   "-y",
-                                   "-f",
-                                   "rawvideo",
-                                   "-pixel_format",
-                                   "rgba",
-                                   "-video_size",
-                                   fmt::format("{}x{}", width, height),
-                                   "-framerate",
-                                   std::to_string(frames_a_second),
-                                   "-i",
-                                   "pipe:0",
-                                   "-vf",
-                                   "pad=ceil(iw/2)*2:ceil(ih/2)*2", // colours go by 2 x 2
-                                   "-pix_fmt",
-                                   "yuv420p"};
+    std::vector<std::string> words{
+        "ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format",
+        "rgba", "-video_size", fmt::format("{}x{}", width, height), "-framerate",
+        std::to_string(frames_a_second), "-i", "pipe:0", "-vf",
+        // Colours go by 2 x 2; and by BT.709, as players take what is not said, not by BT.601, which
+        // ffmpeg takes where nothing is.
+        "scale=out_color_matrix=bt709:out_range=tv,pad=ceil(iw/2)*2:ceil(ih/2)*2", "-colorspace",
+        "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv",
+        "-pix_fmt", "yuv420p"};
     const std::vector<std::string> coder =
         path.ends_with(".webm")
             ? std::vector<std::string>{"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"}

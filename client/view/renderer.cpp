@@ -319,8 +319,9 @@ Result<void> Renderer::draw(const SeaFrame& frame, const Camera& camera, const S
     meshed.height = drawn.height;
     const EyeSide eye = eye_side(frame, camera);
     drawn.z_m = eye.z_m;
+    const bool under = mesh_of ? eye_side(frame, meshed).under : eye.under;
     const bool flat = info(debug.view).source == DebugSource::map;
-    Mesh mesh = flat ? Mesh{} : build_mesh(meshed, frame, options_.quality.cell_pixels, eye.under);
+    Mesh mesh = flat ? Mesh{} : build_mesh(meshed, frame, options_.quality.cell_pixels, under);
     mesh.apex_m += glm::dvec2(meshed.x_m - camera.x_m, meshed.y_m - camera.y_m);
     SEAWAY_TRY(take_mesh(flight, mesh));
     SEAWAY_TRY(bind(flight));
@@ -385,6 +386,10 @@ ShownPicture Renderer::shown_picture() const {
 }
 
 Result<void> Renderer::develop_there(const Picture& picture, const Display& display) {
+    return develop_as(picture, display, Wanted::nothing);
+}
+
+Result<void> Renderer::develop_as(const Picture& picture, const Display& display, Wanted wanted) {
     SEAWAY_TRY(prepare_debug(display.view));
     SEAWAY_TRY(finish());
     Flight& flight = flights_[next_];
@@ -404,13 +409,14 @@ Result<void> Renderer::develop_there(const Picture& picture, const Display& disp
     if (with_bloom)
         bloom_.record(flight.commands);
     record_film(flight, display.view, with_bloom);
-    target_.read_shown(flight.commands);
+    if (wanted == Wanted::bytes)
+        target_.read_shown(flight.commands);
     SEAWAY_TRY(flight.commands.end());
     return device_->submit_and_wait(flight.commands);
 }
 
 Result<ShownPicture> Renderer::develop(const Picture& picture, const Display& display) {
-    SEAWAY_TRY(develop_there(picture, display));
+    SEAWAY_TRY(develop_as(picture, display, Wanted::bytes));
     return shown_picture();
 }
 

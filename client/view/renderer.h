@@ -112,6 +112,7 @@ class Renderer {
     Result<void> create_flight(Flight& flight);
     Result<void> take_sky(const Sky& sky);
     Result<void> take_mesh(Flight& flight, const Mesh& mesh);
+    Result<void> develop_as(const Picture& picture, const Display& display, Wanted wanted);
     Result<void> bind(Flight& flight);
     Result<void> bind_film(Flight& flight);
     bool blooms(const Display& display) const;

@@ -85,7 +85,7 @@ std::vector<PanelRow> rate_rows(const FeedStatus& feed, double keyframes_hz, dou
 
 std::vector<PanelRow> sea_rows(const SeaState& state, sea::TimeUs time_us) {
     const protocol::SeaNumbers& asked = state.requested;
-    const protocol::SeaNumbers& made = state.realised;
+    const protocol::SeaNumbers made = state.realised_at(time_us);
     std::vector<PanelRow> rows{
         {"sea time", fmt::format("{:.2f} s", sea::seconds_from_us(time_us))},
         {"", "requested | realised"},

@@ -90,7 +90,7 @@ void main() {
     const vec2 from_m = push.origin_m + cell_m * (vec2(cell) + random.xy);
     const vec2 crest_now_m = from_m + push.crest_mps * (age_s - 0.5 * period_s) * wind;
     const Crest crest = crest_at(crest_now_m);
-    const float breaks = smoothstep(view.foam_threshold + 0.15, view.foam_threshold - 0.1, crest.jacobian) *
+    const float breaks = (1.0 - smoothstep(view.foam_threshold - 0.1, view.foam_threshold + 0.15, crest.jacobian)) *
                          smoothstep(0.0, 0.25, crest.displacement.z / max(view.significant_height_m, 0.1));
 
     const float lag_s = dragged_s * (1.0 - exp(-age_s / dragged_s));
@@ -105,7 +105,7 @@ void main() {
     const float radius_m = 0.12 + (0.25 + 0.45 * random.z) * age_s;
     // The grid ends softly, and nothing stands right before the eye.
     const float away_m = distance(position_m, view.camera_m);
-    const float edge = smoothstep(0.5, 0.35, length(crest_now_m) / (float(cells) * cell_m)) * smoothstep(4.0, 16.0, away_m);
+    const float edge = (1.0 - smoothstep(0.35, 0.5, length(crest_now_m) / (float(cells) * cell_m))) * smoothstep(4.0, 16.0, away_m);
     const float opacity = (0.35 + 0.45 * push.strength) * breaks * edge * smoothstep(0.0, 0.12, age) * pow(1.0 - age, 1.5);
     plumes[2 * n] = vec4(position_m, radius_m);
     plumes[2 * n + 1] = vec4(wind * (faster_mps + push.crest_mps), throw_mps * 1.5 * exp(-age_s / dragged_s) - falling_mps, opacity);

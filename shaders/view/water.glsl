@@ -81,7 +81,7 @@ vec3 reflected_sky(vec3 to_eye, vec2 slope, vec3 variance) {
     const vec2 aside = vec2(-away.y, away.x);
     const float sigma = sqrt(max(dot(away * away, variance.xy) + 2.0 * away.x * away.y * variance.z, 1e-6));
     const float across = sqrt(max(variance.x + variance.y - sigma * sigma, 0.0));
-    const float down = smoothstep(0.6, 0.3, length(to_eye.xy));
+    const float down = 1.0 - smoothstep(0.3, 0.6, length(to_eye.xy));
     const float outer = 1.3556262;
     const float blur = min((1.0 - down) * across * min(2.0 * to_eye.z, 1.0) + 0.5 * sigma, 1.0);
     vec4 sum = vec4(vec3(0), 1e-6);
@@ -150,7 +150,7 @@ vec3 water_body(vec3 to_eye, vec3 normal, Place place, float jacobian) {
     const float met = clamp(1.0 - 2.0 * dot(normal.xy, sun_level), 0.0, 2.0);
     const vec3 tint = view.water.crest * (beam_klx * through * met +
                                          0.4 * view.sky_irradiance_klx);
-    const float thin = mix(0.5, 2.0, smoothstep(1.0, 0.3, jacobian));
+    const float thin = mix(2.0, 0.5, smoothstep(0.3, 1.0, jacobian));
     return out_of_water(water_reflectance(to_eye, normal, place)) + tint * crest * facing * thin;
 }
 

@@ -118,7 +118,8 @@ Mesh mesh_of_cells(const Camera& camera, const SeaFrame& sea, double cell_pixels
         std::clamp(static_cast<int>(std::ceil(2 * half / (cell_pixels * camera.pixel_rad()))) + 1,
                    3, Mesh::columns_max);
     mesh.step_rad = 2 * half / (mesh.columns - 1);
-    mesh.azimuth_rad = camera.azimuth_rad() - half;
+    // Within a turn: it becomes a float.
+    mesh.azimuth_rad = std::remainder(camera.azimuth_rad(), 2 * pi) - half;
     mesh.apex_m =
         -back * glm::dvec2(std::cos(camera.azimuth_rad()), std::sin(camera.azimuth_rad()));
 

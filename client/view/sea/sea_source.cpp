@@ -44,7 +44,8 @@ double reach_of(const SeaState& state) {
     constexpr double sigmas = 6;
     if (state.displacement_reach_m > 0)
         return state.displacement_reach_m;
-    return sigmas / 4 * state.realised.hs_m * std::max(state.choppiness_x, state.choppiness_y);
+    return sigmas / 4 * state.highest_hs_m(state.start_time_us) *
+           std::max(state.choppiness_x, state.choppiness_y);
 }
 
 } // namespace
@@ -64,9 +65,10 @@ Result<SeaFrame> held_sea_frame(const Client& client, sea::TimeUs time_us) {
     SeaFrame frame;
     frame.time_us = time_us;
     frame.choppiness = {state->choppiness_x_at(time_us), state->choppiness_y_at(time_us)};
-    frame.significant_height_m = state->realised.hs_m;
+    const protocol::SeaNumbers realised = state->realised_at(time_us);
+    frame.significant_height_m = realised.hs_m;
     frame.reach_m = reach_of(*state);
-    frame.mean_from_deg = state->realised.mean_from_deg;
+    frame.mean_from_deg = realised.mean_from_deg;
     frame.foam_mean = state->foam_mean_at(time_us);
     frame.foam_threshold = state->foam_threshold_at(time_us);
     if (state->depth_m > 0)

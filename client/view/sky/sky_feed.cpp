@@ -2,6 +2,7 @@
 #include "client/view/sky/sky_feed.h"
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "base/processors.h"
@@ -40,13 +41,22 @@ void SkyFeed::run() {
         lock.unlock();
         if (read_again)
             maker.forget_environment();
-        Result<Sky> sky = maker.make(wanted.look, wanted.heavens, wanted.eye);
-        const std::string error = sky ? std::string() : sky.error().message;
-        if (!sky && first)
-            sky = maker.make(Look{}, heavens_at_hour(Look{}.hour), wanted.eye);
+        Result<Sky> sky = Error{"there is no memory for another sky"};
+        std::string error;
+        std::exception_ptr none;
+        try {
+            sky = maker.make(wanted.look, wanted.heavens, wanted.eye);
+            error = sky ? std::string() : sky.error().message;
+            if (!sky && first)
+                sky = maker.make(Look{}, heavens_at_hour(Look{}.hour), wanted.eye);
+        } catch (const std::bad_alloc&) {
+            none = std::current_exception();
+            error = sky.error().message;
+        }
         lock.lock();
         making_ = false;
         error_ = error;
+        none_ = first ? none : nullptr; // of others the last one stays
         if (sky) {
             made_ = std::move(*sky);
             ++counts_.made;
@@ -64,9 +74,11 @@ Sky SkyFeed::at(const Look& look, const Heavens& heavens, const Eye& eye) {
         changed_.notify_all();
     }
     if (!now_)
-        changed_.wait(lock, [&] { return made_.has_value(); });
+        changed_.wait(lock, [&] { return made_ || none_; });
     else if (making_ || mailbox_)
         ++counts_.frames_meanwhile;
+    if (!now_ && !made_)
+        std::rethrow_exception(none_);
     if (made_) {
         const bool near = now_ && may_be_mixed(*now_, *made_);
         before_ = near ? std::optional(shown()) : std::nullopt;

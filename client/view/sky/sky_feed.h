@@ -31,7 +31,7 @@ class SkyFeed {
     SkyFeed& operator=(const SkyFeed&) = delete;
 
     /// The last sky that was made, as this eye sees it. One that cannot be made leaves the last, the first one the
-    /// computed sky of the default look; why, is error().
+    /// computed sky of the default look; why, is error(). Throws std::bad_alloc where there is no memory for a first one.
     Sky at(const Look& look, const Heavens& heavens, const Eye& eye);
     /// Of what was asked for last; empty: none.
     std::string error() const;
@@ -65,6 +65,7 @@ class SkyFeed {
     std::optional<Wanted> mailbox_;
     std::optional<Wanted> asked_; ///< last
     std::optional<Sky> made_;
+    std::exception_ptr none_; ///< why there is no first one
     std::string error_;
     Counts counts_;
 

@@ -91,6 +91,18 @@ TEST(Mesh, covers_every_place_that_the_picture_can_show) {
         }
 }
 
+// As of a path that keeps turning. Naive: its bearing becomes a float, of which a column is less than the rounding.
+TEST(Mesh, is_the_same_after_a_million_turns) {
+    const SeaFrame sea = high_sea();
+    Camera camera, turned;
+    camera.yaw_deg = 123;
+    turned.yaw_deg = 123 + 360e6;
+    const Mesh one = build_mesh(camera, sea, 2.5, false),
+               other = build_mesh(turned, sea, 2.5, false);
+    ASSERT_EQ(one.columns, other.columns);
+    EXPECT_NEAR(one.azimuth_rad, other.azimuth_rad, 1e-6);
+}
+
 TEST(Mesh, rows_grow_and_end_beyond_the_horizon) {
     const SeaFrame sea = high_sea();
     Camera camera;

@@ -57,6 +57,9 @@ TEST_F(FilmFileTest, hands_every_frame_over_in_order_and_says_what_they_are) {
     ASSERT_TRUE(film->close());
     EXPECT_EQ(kept("frames"), expected);
     const std::string words = kept("words");
+    // Else ffmpeg takes BT.601, and players BT.709: films greener than pictures of the same frames.
+    EXPECT_THAT(words, HasSubstr("scale=out_color_matrix=bt709:out_range=tv,pad="));
+    EXPECT_THAT(words, HasSubstr("-colorspace bt709 -color_primaries bt709"));
     EXPECT_THAT(
         words, HasSubstr("-f rawvideo -pixel_format rgba -video_size 3x2 -framerate 30 -i pipe:0"));
     EXPECT_THAT(words, HasSubstr("libx264"));

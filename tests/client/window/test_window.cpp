@@ -118,6 +118,25 @@ TEST_F(WindowTest, a_level_that_no_map_has_is_said_and_nothing_is_shown) {
     EXPECT_EQ(viewer_->sea_frames(), 0u);
 }
 
+// What a table is developed into is sampled by the window, as a frame of the sea is. The validation layer looks.
+TEST_F(WindowTest, shows_tables_that_are_no_frames_of_the_sea) {
+    for (const char* table : {"h0", "sky_transmittance"}) {
+        ViewOptions asked = options();
+        const Result<DebugChoice> view = parse_debug_view(table);
+        ASSERT_TRUE(view) << view.error().message;
+        asked.debug = *view;
+        viewer_.reset();
+        Result<std::unique_ptr<Viewer>> made =
+            Viewer::open(asked, Viewer::streamed({.url = asked.url}, asked.limits), true);
+        ASSERT_TRUE(made) << made.error().message;
+        viewer_ = std::move(*made);
+        ASSERT_TRUE(step_until([&] { return viewer_->model().shows_sea; })) << text();
+        step();
+        EXPECT_GT(shot().mean(), 2) << table << " is black";
+        EXPECT_EQ(viewer_->device().validation().validation_message_count(), 0u) << table;
+    }
+}
+
 TEST_F(WindowTest, a_click_on_a_panel_is_no_click_on_the_sea) {
     open(options());
     const Panels::Box& at = viewer_->panels().places().at("exposure");
