@@ -167,14 +167,11 @@ seaway_code seaway_sea_at(const seaway_client* client, int64_t time_us, seaway_s
         if (!client || !sea)
             return bad("seaway_sea_at: client and sea must not be null");
         const SeaStatePtr state = client->client->sea_state(time_us);
-        *sea = {state->start_time_us,
-                state->realised.hs_m,
-                state->realised.tp_s,
-                state->realised.tz_s,
-                state->realised.mean_from_deg,
-                state->height_error_m,
-                state->epoch,
-                static_cast<uint32_t>(state->cascades.size())};
+        const protocol::SeaNumbers realised = state->realised_at(time_us);
+        *sea = {state->start_time_us,   realised.hs_m,
+                realised.tp_s,          realised.tz_s,
+                realised.mean_from_deg, state->height_error_m,
+                state->epoch,           static_cast<uint32_t>(state->cascades.size())};
         return {};
     });
 }

@@ -2,6 +2,7 @@
 // The C interface for engines: whole maps into the caller's memory (seaway_engine.h).
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "client/c_api.h"
 #include "protocol/limits.h"
@@ -32,6 +33,8 @@ uint16_t half_of(float value) {
 double half_error(float largest) {
     if (largest == 0)
         return 0;
+    if (!(largest < 65520.0f)) // infinity stands for it
+        return std::numeric_limits<double>::infinity();
     return largest < 6.103515625e-5f ? 0x1p-25 : std::ldexp(1.0, std::ilogb(largest) - 11);
 }
 

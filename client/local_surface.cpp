@@ -69,6 +69,15 @@ sea::Choppiness largest_choppiness(const SeaState& state) {
     return largest;
 }
 
+/// Of a server that does not say: as if its steepest waves were its shortest.
+double curvature_per_m(const SeaState& state) {
+    double shortest_radpm = 0;
+    for (const protocol::CascadeInfo& cascade : state.cascades)
+        shortest_radpm = std::max(shortest_radpm, cascade.k_hi_radpm);
+    return state.curvature_per_m > 0 ? state.curvature_per_m
+                                     : sea::bound_sigmas * state.rms_slope * shortest_radpm;
+}
+
 sea::FoldSearch folds_of(const SeaState& state) {
     return sea::fold_search(state.displacement_reach_m, largest_choppiness(state),
                             state.rms_strain);
@@ -84,7 +93,9 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
                             told ? state.single_precision_m : state.interpolation_error_m,
                         .displacement_bound_m = told ? state.single_precision_displacement_m
                                                      : state.interpolation_displacement_m,
-                        .strain_bound = state.interpolation_strain};
+                        .strain_bound = state.interpolation_strain,
+                        .rms_slope = state.rms_slope,
+                        .curvature_per_m = curvature_per_m(state)};
     double coded_strain2 = 0, coarser_strain2 = 0;
     bool compact = false;
     for (const KeyframePair& pair : pairs) {

@@ -185,7 +185,8 @@ seaway_code seaway_clock(const seaway_client* client, seaway_clock_status* statu
 
 /* ---- the sea ------------------------------------------------------------------------------- */
 
-/* Bulk statistics of the realised sea, and how good answers can be. */
+/* Bulk statistics of the realised sea, and how good answers can be. While it changes: on the way from those of the sea before to those
+ * of the one to come, of which hs_m is no less than it is. */
 typedef struct seaway_sea {
     int64_t start_time_us; /* it runs from here on */
     double hs_m;           /* significant wave height */

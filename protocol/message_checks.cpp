@@ -6,24 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "protocol/limits.h"
-#include "protocol/messages.h"
-#include "sea/basics/foam_range.h"
+#include "protocol/value_checks.h"
 #include "sea/basics/pace.h"
 
 namespace seaway::protocol {
 namespace {
-
-template <class T>
-Result<void> in_range(std::string_view field, T value, T lo, T hi) {
-    if (value >= lo && value <= hi) // false for NaN
-        return {};
-    return Error{wire::ErrorCode::bad_value,
-                 fmt::format("{} is {}, allowed are {} to {}", field, value, lo, hi)};
-}
-
-/// Between keyframes.
-constexpr std::int64_t interval_us_max = std::int64_t{3600} * 1'000'000;
 
 /// One of a list, within `max` either side of 0. What is not a finite number is let through: such a
 /// point is answered, and flagged, like the others.
@@ -33,24 +20,6 @@ Result<void> within(std::string_view field, std::size_t index, T value, T max) {
         return {};
     return Error{wire::ErrorCode::bad_value, fmt::format("{} [{}] is {}, allowed are {} to {}",
                                                          field, index, value, -max, max)};
-}
-
-template <class Vector>
-std::size_t count(const Vector* list) {
-    return list == nullptr ? 0 : list->size();
-}
-
-Result<void> text_fits(std::string_view field, const flatbuffers::String* text,
-                       std::size_t bytes_max) {
-    return in_range<std::size_t>(fmt::format("length of {}", field), count(text), 0, bytes_max);
-}
-
-/// The first failure of several checks.
-template <class... Checks>
-Result<void> all_of(Checks&&... checks) {
-    Result<void> first;
-    (void)((first = std::forward<Checks>(checks), first.has_value()) && ...);
-    return first;
 }
 
 Result<void> check_fields(std::uint32_t bits) {
@@ -238,120 +207,6 @@ Result<void> check(const wire::Welcome& welcome) {
 
 Result<void> check(const wire::Pong& pong) {
     return check_times(pong);
-}
-
-namespace {
-
-/// None, or one a cascade.
-/// Of a Spectrum or a SeaState.
-template <class Law>
-Result<void> check_law(std::string_view of, const Law& law) {
-    const auto name = [of](std::string_view field) { return std::string(of) + std::string(field); };
-    return all_of(
-        in_range(name("gravity_mps2"), law.gravity_mps2(), 1e-3, 1e3),
-        in_range(name("surface_tension_m3ps2"), law.surface_tension_m3ps2(), 0.0, 1.0),
-        in_range(name("depth_m"), law.depth_m(), 1e-3, std::numeric_limits<double>::infinity()),
-        in_range<std::int64_t>(name("loop_period_us"), law.loop_period_us(), 0,
-                               limits::time_us_max));
-}
-
-Result<void> check_glide(const wire::SeaState& state) {
-    const wire::Glide* glide = state.glide();
-    if (glide == nullptr)
-        return {};
-    return all_of(
-        in_range("start_time_us", state.start_time_us(), -limits::time_us_max, limits::time_us_max),
-        in_range("glide.end_us", glide->end_us(), state.start_time_us(), limits::time_us_max),
-        in_range("glide.choppiness_x", glide->choppiness_x(), -10.0, 10.0),
-        in_range("glide.choppiness_y", glide->choppiness_y(), -10.0, 10.0),
-        in_range("glide.foam_mean", glide->foam_mean(), 0.0, sea::foam_mean_max),
-        in_range("glide.foam_threshold", glide->foam_threshold(), -1.0, 1.0));
-}
-
-Result<void> check_losses(const wire::SeaState& state) {
-    if (count(state.losses()) == 0)
-        return {};
-    SEAWAY_TRY(in_range<std::size_t>("count of losses", count(state.losses()),
-                                     count(state.cascades()), count(state.cascades())));
-    for (const wire::CascadeLoss* loss : *state.losses())
-        SEAWAY_TRY(
-            all_of(in_range("time_m", loss->time_m(), 0.0f, 1e9f),
-                   in_range("east_m", loss->east_m(), 0.0f, 1e9f),
-                   in_range("north_m", loss->north_m(), 0.0f, 1e9f),
-                   in_range("displacement_time_m", loss->displacement_time_m(), 0.0f, 1e9f),
-                   in_range("displacement_east_m", loss->displacement_east_m(), 0.0f, 1e9f),
-                   in_range("displacement_north_m", loss->displacement_north_m(), 0.0f, 1e9f)));
-    return {};
-}
-
-/// Where a client evaluates a sea must be where seas are, and what it is held against must be numbers.
-Result<void> check_probes(const wire::SeaState& state) {
-    SEAWAY_TRY(in_range("probe_error_m", state.probe_error_m(), 0.0, 1e6));
-    SEAWAY_TRY(
-        in_range<std::size_t>("count of probes", count(state.probes()), 0, limits::probes_max));
-    for (flatbuffers::uoffset_t i = 0; i < count(state.probes()); ++i) {
-        const wire::Probe& probe = *state.probes()->Get(i);
-        constexpr double most = limits::position_m_max;
-        SEAWAY_TRY(all_of(
-            in_range("probes.x_m", probe.x_m(), -most, most),
-            in_range("probes.y_m", probe.y_m(), -most, most),
-            in_range("probes.time_us", probe.time_us(), -limits::time_us_max, limits::time_us_max),
-            in_range("probes.height_m", probe.height_m(), -most, most),
-            in_range("probes.displacement_x_m", probe.displacement_x_m(), -most, most),
-            in_range("probes.displacement_y_m", probe.displacement_y_m(), -most, most)));
-    }
-    return {};
-}
-
-/// Of many the text may be the same bytes of the message.
-Result<void> check_warnings(const wire::SeaState& state) {
-    SEAWAY_TRY(in_range<std::size_t>("count of warnings", count(state.warnings()), 0,
-                                     limits::warnings_max));
-    for (flatbuffers::uoffset_t i = 0; i < count(state.warnings()); ++i)
-        SEAWAY_TRY(text_fits("warnings", state.warnings()->Get(i), limits::warning_bytes_max));
-    return {};
-}
-
-} // namespace
-
-Result<void> check(const wire::SeaState& state) {
-    Result<void> fine = all_of(
-        in_range<std::size_t>("count of cascades", count(state.cascades()), 0,
-                              limits::cascades_max),
-        in_range("choppiness_x", state.choppiness_x(), -10.0, 10.0),
-        in_range("choppiness_y", state.choppiness_y(), -10.0, 10.0),
-        in_range("height_error_m", state.height_error_m(), 0.0, 1e6),
-        in_range("interpolation_error_m", state.interpolation_error_m(), 0.0, 1e6),
-        in_range("rms_slope", state.rms_slope(), 0.0, 1e6),
-        in_range("foam_mean", state.foam_mean(), 0.0, sea::foam_mean_max),
-        in_range("foam_threshold", state.foam_threshold(), -1.0, 1.0),
-        in_range("displacement_reach_m", state.displacement_reach_m(), 0.0, 1e9),
-        in_range("rms_strain", state.rms_strain(), 0.0, 1e9),
-        in_range("interpolation_displacement_m", state.interpolation_displacement_m(), 0.0, 1e9),
-        in_range("interpolation_strain", state.interpolation_strain(), 0.0, 1e9),
-        in_range("single_precision_m", state.single_precision_m(), 0.0, 1e6),
-        in_range("single_precision_displacement_m", state.single_precision_displacement_m(), 0.0,
-                 1e9),
-        check_glide(state),
-        in_range("depth_m", state.depth_m(), 0.0, std::numeric_limits<double>::infinity()),
-        in_range("bottom_red", state.bottom_red(), 0.0f, 1.0f),
-        in_range("bottom_green", state.bottom_green(), 0.0f, 1.0f),
-        in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state),
-        check_probes(state), check_warnings(state),
-        state.wave_law() ? check_law("wave_law.", *state.wave_law()) : Result<void>());
-    if (!fine || state.cascades() == nullptr)
-        return fine;
-    for (const wire::CascadeInfo* cascade : *state.cascades()) {
-        fine = all_of(
-            in_range("length_m", cascade->length_m(), 1e-3, 1e9),
-            in_range<std::uint32_t>("size", cascade->size(), 1, limits::map_side_max),
-            in_range<std::int64_t>("interval_us", cascade->interval_us(), 1, interval_us_max),
-            in_range("k_lo_radpm", cascade->k_lo_radpm(), 0.0, 1e9),
-            in_range("k_hi_radpm", cascade->k_hi_radpm(), 0.0, 1e9));
-        if (!fine)
-            break;
-    }
-    return fine;
 }
 
 Result<void> check(const wire::Subscribed& subscribed) {

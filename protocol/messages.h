@@ -179,6 +179,9 @@ struct SeaNumbers {
     double mss = 0;
 };
 
+/// Each on its way from one sea to the next; the bearing the shorter way round.
+SeaNumbers glided(const SeaNumbers& from, const SeaNumbers& to, double share);
+
 /// What a sea that glides over to another began with.
 struct GlideValues {
     sea::TimeUs end_us = 0;
@@ -186,6 +189,7 @@ struct GlideValues {
     double choppiness_y = 1;
     double foam_mean = 0;
     double foam_threshold = 0;
+    std::optional<SeaNumbers> realised = {}; ///< none: a server that does not say
 };
 
 /// SeaState as a value.
@@ -200,6 +204,8 @@ struct SeaStateValues {
     SeaNumbers realised = {};
     double interpolation_error_m = 0; ///< part of every stated bound
     double rms_slope = 0;
+    double curvature_per_m =
+        0; ///< of the surface at choppiness 0, at most; 0: of a server that says none
     std::string scene = {}; ///< effective scene, TOML
     std::vector<std::string> warnings = {};
     double foam_mean = 0;                    ///< mean coverage; what foam maps are ratios to
@@ -233,6 +239,12 @@ struct SeaStateValues {
     }
     double foam_threshold_at(sea::TimeUs time_us) const {
         return glided(&GlideValues::foam_threshold, foam_threshold, time_us);
+    }
+    /// Hs is at least what it is then: heights of two seas add up to no more than their sum.
+    SeaNumbers realised_at(sea::TimeUs time_us) const;
+    /// Of this sea from `time_us` on.
+    double highest_hs_m(sea::TimeUs time_us) const {
+        return std::max(realised_at(time_us).hs_m, realised.hs_m);
     }
     double glided(double GlideValues::*from, double to, sea::TimeUs time_us) const;
 };

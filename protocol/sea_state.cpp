@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SeaState to bytes and back (protocol/messages.h).
+#include <cmath>
+
 #include "protocol/bound_to_float.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
@@ -56,11 +58,14 @@ std::optional<GlideValues> glide_of(const wire::SeaState& state) {
     const wire::Glide* glide = state.glide();
     if (glide == nullptr)
         return std::nullopt;
-    return GlideValues{.end_us = glide->end_us(),
+    GlideValues values{.end_us = glide->end_us(),
                        .choppiness_x = glide->choppiness_x(),
                        .choppiness_y = glide->choppiness_y(),
                        .foam_mean = glide->foam_mean(),
                        .foam_threshold = glide->foam_threshold()};
+    if (state.realised_before() != nullptr)
+        values.realised = from_wire(state.realised_before());
+    return values;
 }
 
 std::optional<sea::WaveLaw> wave_law_of(const wire::SeaState& state) {
@@ -84,6 +89,26 @@ sea::Water water_of(const wire::SeaState& state) {
 }
 
 } // namespace
+
+SeaNumbers glided(const SeaNumbers& from, const SeaNumbers& to, double share) {
+    const auto on_the_way = [share](double a, double b) { return sea::glided(a, b, share); };
+    const double turned_deg = std::remainder(to.mean_from_deg - from.mean_from_deg, 360.0);
+    const double bearing_deg = from.mean_from_deg + share * turned_deg;
+    return {on_the_way(from.hs_m, to.hs_m),
+            on_the_way(from.tp_s, to.tp_s),
+            on_the_way(from.tz_s, to.tz_s),
+            on_the_way(from.tm01_s, to.tm01_s),
+            bearing_deg - 360.0 * std::floor(bearing_deg / 360.0),
+            on_the_way(from.spread_deg, to.spread_deg),
+            on_the_way(from.mss, to.mss)};
+}
+
+SeaNumbers SeaStateValues::realised_at(sea::TimeUs time_us) const {
+    if (!glide || !glide->realised)
+        return realised;
+    return protocol::glided(*glide->realised, realised,
+                            sea::glide_share(time_us, start_time_us, glide->end_us));
+}
 
 double SeaStateValues::glided(double GlideValues::*from, double to, sea::TimeUs time_us) const {
     return glide ? sea::glided((*glide).*from, to,
@@ -118,6 +143,9 @@ Bytes sea_state(const SeaStateValues& state) {
         glide =
             wire::Glide(state.glide->end_us, state.glide->choppiness_x, state.glide->choppiness_y,
                         state.glide->foam_mean, state.glide->foam_threshold);
+    std::optional<wire::SeaNumbers> before;
+    if (state.glide && state.glide->realised)
+        before = to_wire(*state.glide->realised);
     std::optional<wire::WaveLaw> law;
     if (state.wave_law)
         law = wire::WaveLaw(state.wave_law->dispersion.gravity_mps2,
@@ -134,7 +162,8 @@ Bytes sea_state(const SeaStateValues& state) {
         state.interpolation_displacement_m, state.interpolation_strain, loss_list,
         state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
         static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2), probe_list,
-        state.probe_error_m, glide ? &*glide : nullptr, law ? &*law : nullptr);
+        state.probe_error_m, glide ? &*glide : nullptr, law ? &*law : nullptr,
+        before ? &*before : nullptr, state.curvature_per_m);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -151,6 +180,7 @@ SeaStateValues values(const wire::SeaState& state) {
                        .realised = from_wire(state.realised()),
                        .interpolation_error_m = state.interpolation_error_m(),
                        .rms_slope = state.rms_slope(),
+                       .curvature_per_m = state.curvature_per_m(),
                        .scene = state.scene() ? state.scene()->str() : std::string(),
                        .warnings = {},
                        .foam_mean = state.foam_mean(),

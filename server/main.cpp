@@ -106,7 +106,7 @@ Result<MemoryPtr> memory_for(const Options& options, const RunningSea& sea) {
 int checked(const RunningSea& sea) {
     fmt::print("{}: fine: Hs {:.2f} m, {} cascades, heights within {:g} m\n", sea.scene.source,
                sea.summary.realised.significant_height_m, sea.budget.cascades.size(),
-               sea.budget.height_error_m);
+               sea::level_error_m(sea.budget, sea.budget.codec_error_m));
     return status_after_output("seaway-server", exit_stopped, exit_usage);
 }
 

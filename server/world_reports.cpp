@@ -56,6 +56,11 @@ ordered_json counters_json(const SimulationCounters& c) {
 }
 
 /// Null where the sea is steady.
+ordered_json glide_begin_json(const protocol::SeaStateValues& state) {
+    return state.glide && state.glide->realised ? to_json(*state.glide->realised)
+                                                : ordered_json(nullptr);
+}
+
 ordered_json glide_end_json(const RunningSea& sea) {
     if (!sea.glide)
         return nullptr;
@@ -154,6 +159,7 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
     state.realised = numbers(sea.summary.realised);
     state.interpolation_error_m = sea.budget.interpolation_m;
     state.rms_slope = sea.budget.rms_slope;
+    state.curvature_per_m = sea.budget.curvature_per_m;
     state.displacement_reach_m = sea.budget.displacement_reach_m;
     state.rms_strain = sea.budget.rms_strain;
     state.interpolation_displacement_m = sea.budget.interpolation_displacement_m;
@@ -174,7 +180,8 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
                                             .choppiness_x = sea.glide->choppiness.x,
                                             .choppiness_y = sea.glide->choppiness.y,
                                             .foam_mean = sea.glide->foam_mean,
-                                            .foam_threshold = sea.glide->foam_threshold};
+                                            .foam_threshold = sea.glide->foam_threshold,
+                                            .realised = numbers(sea.glide->realised)};
     state.scene =
         sea::to_toml(sea.foam_law ? sea::with_threshold(sea.scene, *sea.foam_law) : sea.scene);
     state.warnings = warnings;
@@ -225,6 +232,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                       {"scene", std::filesystem::path(sea.scene.source).filename().string()},
                       {"requested", to_json(state.requested)},
                       {"realised", to_json(state.realised)},
+                      {"realised_before", glide_begin_json(state)},
                       {"cascades", cascades},
                       {"offered_fields", names(sea.streamed())},
                       {"foam_mean", state.foam_mean},

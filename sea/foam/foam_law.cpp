@@ -342,10 +342,11 @@ std::vector<std::string> foam_warnings(const FoamLawPtr& foam_law) {
     if (!foam_law || !out_of_reach(*foam_law))
         return {};
     const FoamLaw& law = *foam_law;
-    return {fmt::format(
-        "foam covers {:.3g} % where {:.3g} % are observed {}: no threshold of -1 .. 1 "
-        "gives that with this gain and decay",
-        100.0 * law.mean_coverage, 100.0 * law.observed->share, describe(law.observed->wind))};
+    return {fmt::format("foam covers {} where {:.3g} % are observed {}: no threshold of -1 .. 1 "
+                        "gives that with this gain and decay",
+                        law.mean_coverage < 1 ? fmt::format("{:.3g} %", 100.0 * law.mean_coverage)
+                                              : "all of it",
+                        100.0 * law.observed->share, describe(law.observed->wind))};
 }
 
 std::string describe(const FoamLaw& law) {

@@ -137,6 +137,20 @@ void refuse_fast(TomlTable& table, const SineRamps& ramps, const SeaState& sea) 
                     rate_omega_max_radps, fastest));
 }
 
+void refuse_drag(TomlTable& table, const SineRamps& ramps, const SeaState& sea) {
+    if (ramps.drag <= 0.0)
+        return;
+    const double growth =
+        drag_growth(sine_field(ramps, sea.seed, static_cast<std::uint32_t>(sea.systems.size()),
+                               sea.dispersion(), sea.height_scale, 0));
+    if (!(growth <= drag_growth_max))
+        table.bad_value(
+            "drag", fmt::format("{}", ramps.drag),
+            fmt::format("waves that drag those after them {:g} times as far at most, all "
+                        "together; these {:.3g} times: less drag, sharpness or height",
+                        drag_growth_max, growth));
+}
+
 } // namespace
 
 SineRamps read_sines(TomlTable& table, const std::string& base_dir, const SeaState& sea) {
@@ -164,6 +178,7 @@ SineRamps read_sines(TomlTable& table, const std::string& base_dir, const SeaSta
         refuse_short(table, ramps);
     else
         refuse_fast(table, ramps, sea);
+    refuse_drag(table, ramps, sea);
     return ramps;
 }
 

@@ -69,13 +69,15 @@ void Surface::tell(const Some& some, const AtTime& then, Answer* const* to) cons
         some.channel(points.d_dx, displacement_x), some.channel(points.d_dy, displacement_y),
         0.5 * (some.channel(points.d_dy, displacement_x) +
                some.channel(points.d_dx, displacement_y))};
-    const Normal<Real> normal = upright(normal_of(gradients, choppiness_));
-    const Real slope = slope_of(normal);
+    const Normal<Real> raised = normal_of(gradients, choppiness_);
+    const Normal<Real> normal = upright(raised);
+    const Real slope = gentle_slope(raised);
+    const Real residual_m = some.each(points.residual_m);
     const auto between = [&](std::size_t c) {
         return Between<Real>{between_samples(some.each(points.fraction_x[c])),
                              between_samples(some.each(points.fraction_y[c]))};
     };
-    const Real error_m = some.each(points.residual_m) * slope +
+    const Real error_m = residual_m * slope + bent_m(error_.curvature_per_m, residual_m, raised.z) +
                          height_bound_m<Real>(between, then, slope * sideways_);
     const std::size_t end = std::min(some.p + some.count, static_cast<std::size_t>(points.count));
     for (std::size_t p = some.p; p < end; ++p) {
@@ -109,7 +111,7 @@ ErrorTerms Surface::gentle_terms(const PointBlock& points, std::size_t p, const 
                                    between_samples(lane.each(points.fraction_y[c]))};
         },
         then, slope * sideways_);
-    terms.inverse_m = points.residual_m[p] * slope;
+    terms.inverse_m = std::max(answer.error_m - terms.sum_m(), 0.0); // the rest
     return terms;
 }
 

@@ -85,8 +85,9 @@ Result<void> validate(const MapRequest& r) {
 }
 
 double map_height_error_m(const Surface& surface) {
-    // A slope of one, as steep as a breaking crest.
-    return surface.height_bound_m(1.0) + map_difference_max_m;
+    // A slope of one, as steep as a breaking crest, or five deviations of what the sea has.
+    const double slope = std::max(1.0, bound_sigmas * surface.map_error().rms_slope);
+    return surface.height_bound_m(slope) + slope * map_difference_max_m;
 }
 
 const MapKernel& map_kernel(Instructions instructions) {

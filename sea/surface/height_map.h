@@ -74,8 +74,8 @@ inline int map_components(MapKind kind) {
 /// An error names the field, its value and its range.
 Result<void> validate(const MapRequest& request);
 
-/// Bound on the heights of a map where the surface does not overhang steeply: what the maps cost
-/// and map_difference_max_m.
+/// Bound on the heights of a map where the surface does not overhang steeply: what the maps cost where it is as steep as one, or five
+/// deviations of its slope, and map_difference_max_m as often.
 double map_height_error_m(const Surface& surface);
 
 struct MapChunk {

@@ -193,8 +193,9 @@ Answer answer_of(const LagrangianPoint& p, const Choppiness& choppiness) {
 }
 
 double surface_slope(const Answer& answer) {
-    const double* n = answer.normal;
-    return slope_of(Normal<double>{n[0], n[1], n[2]});
+    constexpr double steepest = 1e9; // upright
+    const Normal<double> n{answer.normal[0], answer.normal[1], answer.normal[2]};
+    return answer.flags & answer_folded ? slope_of(n) : std::min(gentle_slope(n), steepest);
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
@@ -218,7 +219,11 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
         answer.flags |= answer_folded | answer_open;
     if (highest.sheet.residual_m > options.tolerance_m)
         answer.flags |= answer_not_converged;
-    answer.error_m = highest.sheet.residual_m * surface_slope(answer) + highest.error_m;
+    const double residual_m = highest.sheet.residual_m;
+    answer.error_m = residual_m * surface_slope(answer) +
+                     bent_m(options.curvature_per_m, residual_m,
+                            std::max(jacobian(p, options.choppiness), fold_suspected_below)) +
+                     highest.error_m;
     return answer;
 }
 

@@ -88,10 +88,12 @@ struct InverseOptions {
     Choppiness choppiness;
     double tolerance_m = 1e-4; ///< residual |X + lambda D(X) - x| that counts as solved
     FoldSearch folds;
+    double curvature_per_m =
+        0; ///< of the surface at choppiness 0, at most; 0: solved so well that it says nothing
     FieldBlur blur = {}; ///< of a moment: other sheets may lie where it does not tell
 };
 
-/// Height, normal, velocity and flags at the point; error_m holds residual * slope alone, the
+/// Height, normal, velocity and flags at the point; error_m holds what the residual leaves alone, the
 /// caller adds what its maps cost. A point that is not finite gives NaN and answer_invalid.
 /// `sheets` knows where other sheets may lie; without it the first one found is the answer, and
 /// flagged where J came below fold_suspected_below on the way. `lagrangian` gets the undisplaced place

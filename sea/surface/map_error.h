@@ -136,6 +136,8 @@ struct MapError {
     double displacement_bound_m = 0; ///< likewise, of D
     double strain_bound = 0;         ///< of grad D: interpolation and single precision
     double codec_strain_bound = 0;   ///< of lambda grad D
+    double rms_slope = 0;            ///< of the sea
+    double curvature_per_m = 0;      ///< of the surface at choppiness 0, at most
 };
 
 /// Bound on a height where and when maps are worst, of a surface that is `sideways` higher a metre that a point is moved at

@@ -72,6 +72,20 @@ template <class Real>
     const Real most = Real{} + 10;
     return horizontal < most * vertical ? horizontal / vertical : most;
 }
+/// Of normal_of() where J is above 0.4: as steep as it is.
+template <class Real>
+[[gnu::always_inline]] inline Real gentle_slope(const Normal<Real>& n) {
+    return root(n.x * n.x + n.y * n.y) / n.z;
+}
+
+/// A height beside a place `residual_m` off that solves the equation, of a surface that bends by `curvature_per_m` at choppiness 0
+/// and is squeezed to J: beyond what the slope there says.
+template <class Real>
+[[gnu::always_inline]] inline Real bent_m(double curvature_per_m, const Real& residual_m,
+                                          const Real& j) {
+    return curvature_per_m * residual_m * residual_m / (j * j * j);
+}
+
 template <class Real>
 [[gnu::always_inline]] inline Real slope_of(const Normal<Real>& n) {
     return capped_slope(root(n.x * n.x + n.y * n.y), n.z);

@@ -221,7 +221,7 @@ bool Surface::covers(TimeUs time_us) const {
 
 Answer Surface::careful(const QueryPoint& point, const AtTime& then, ErrorTerms* terms) const {
     SurfaceSheets sheets = then.sheets; // a search leaves its patches there
-    const InverseOptions options{choppiness_, tolerance_m_, folds_};
+    const InverseOptions options{choppiness_, tolerance_m_, folds_, error_.curvature_per_m};
     const auto field = [&](double x_m, double y_m) { return at(x_m, y_m, point.time_us); };
     Vec2 lagrangian{point.x_m, point.y_m};
     Answer answer = surface_at(point, options, field, &sheets, &lagrangian);

@@ -112,8 +112,10 @@ class Quantiser {
         for (const Wave& wave : waves_)
             slope2 += 2.0 * std::norm(wave.h0) * wave.k() * wave.k();
         rms_slope_ = std::sqrt(slope2);
-        for (const Wave& wave : waves_)
+        for (const Wave& wave : waves_) {
             largest_m_ = std::max({largest_m_, std::abs(wave.h0.real()), std::abs(wave.h0.imag())});
+            shortest_radpm_ = std::max(shortest_radpm_, wave.k());
+        }
     }
 
     QuantisedSpectrum best() {
@@ -199,7 +201,9 @@ class Quantiser {
     }
 
     /// Of which no code is too long.
-    double finest_m() const { return largest_m_ / code_max; }
+    double finest_m(double length_m) const {
+        return largest_m_ / code_max * std::hypot(1.0, shortest_radpm_ * length_m);
+    }
 
     /// The widest steps that are good enough. Noise grows with the step, and no faster than its square where it
     /// is above what is wanted, so that each try is nearer.
@@ -211,8 +215,10 @@ class Quantiser {
             even.add(wave, step * step / 6.0);
         }
         const double widest_m = 1e3 * largest_m_; // above it all codes are 0
-        const auto within = [&](double step_m) { return std::clamp(step_m, finest_m(), widest_m); };
-        double low_m = finest_m(), high_m = widest_m;
+        const auto within = [&](double step_m) {
+            return std::clamp(step_m, finest_m(length_m), widest_m);
+        };
+        double low_m = finest_m(length_m), high_m = widest_m;
         double try_m = within(1.0 / std::sqrt(share_of_wanted(even)));
         for (int n = 0; n < tries; ++n) {
             const double share = share_of_wanted(noise_with({try_m, length_m}));
@@ -317,7 +323,7 @@ class Quantiser {
         double share = 0;
         for (int n = 0; n < tries && (share = share_of_wanted(made.left)) > 1.0; ++n) {
             const double finer_m = 0.99 / std::sqrt(share) * result.steps.step_m;
-            if (finer_m < finest_m())
+            if (finer_m < finest_m(result.steps.length_m))
                 break;
             result.steps.step_m = finer_m;
             made = layers(result.steps);
@@ -348,6 +354,7 @@ class Quantiser {
     Noise whole_;
     double rms_slope_ = 0;
     double largest_m_ = 0;
+    double shortest_radpm_ = 0;
 };
 
 } // namespace

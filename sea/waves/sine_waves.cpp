@@ -191,6 +191,17 @@ SineField sine_field(const SineRamps& ramps, std::uint64_t seed, std::uint32_t s
     return field;
 }
 
+double drag_growth(const SineField& field) {
+    const double p = field.sharpness;
+    // Of exp(p (sin q - 1)): |p^2 cos^2 q - p sin q| times it is at most p (1 + p), and p^2 cos^2 q times it 2 p / e.
+    const double second = p * (1.0 + std::min(p, 1.0));
+    double growth = 1.0;
+    for (const SineField::Wave& wave : field.waves)
+        growth *= 1.0 + field.drag * second * std::abs(wave.amplitude_m) *
+                            std::hypot(wave.kx_radpm, wave.ky_radpm);
+    return growth;
+}
+
 ExponentialSine exponential_sine(double sharpness) {
     const double mean = scaled_bessel_i0(sharpness);
     return {mean, scaled_bessel_i0(2.0 * sharpness) - mean * mean};

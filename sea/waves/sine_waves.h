@@ -121,6 +121,12 @@ struct SineField {
 SineField sine_field(const SineRamps& ramps, std::uint64_t seed, std::uint32_t system,
                      const Dispersion& dispersion, double height_scale, TimeUs loop_period_us);
 
+/// By how much a place may be moved, or a rounding grow, where each wave drags those that follow: the product of 1 + drag times its
+/// largest second derivative. 1 without drag.
+double drag_growth(const SineField& field);
+/// Beyond it sums in double precision would say nothing.
+inline constexpr double drag_growth_max = 1e6;
+
 /// Height, its slopes and its rate at a point; the displacement is zero. `phase_time` as
 /// Realization::phase_time gives it. About 0.1 us a wave, 0.03 us an octave.
 LagrangianPoint sines_at(const SineField& field, double x_m, double y_m, TimeUs phase_time);

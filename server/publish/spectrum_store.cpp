@@ -183,7 +183,9 @@ Result<SpectrumStore::Made> SpectrumStore::make(const SpectrumSource& sea, const
     std::map<Rung, Made>& rungs = of_sea(sea.epoch);
     Made& made = rungs[rung];
     made = {.bytes = encoded ? encoded->bytes : 0,
-            .slope_error = std::isfinite(slope) ? slope : sea::spectrum_sigmas * left.slope,
+            // No step is so fine that a code is too long: then more is left than was wished.
+            .slope_error =
+                std::max(std::isfinite(slope) ? slope : 0.0, sea::spectrum_sigmas * left.slope),
             .used = ++uses_};
     if (!encoded)
         return made;

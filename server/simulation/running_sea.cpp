@@ -5,7 +5,10 @@
 #include <iterator>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "sea/scene/scene_warnings.h"
+#include "sea/surface/steepest_sea.h"
 #include "sea/waves/realize.h"
 #include "server/simulation/effect_plan.h"
 
@@ -15,6 +18,29 @@ namespace {
 
 double share_at(const SeaGlide& glide, sea::TimeUs time_us) {
     return sea::glide_share(time_us, glide.change.start_us(), glide.change.end_us());
+}
+
+/// As a client takes it.
+Result<void> check_told(const sea::ErrorBudget& budget, const std::string& source) {
+    struct Told {
+        const char* what;
+        double value, most;
+    };
+    for (const Told& told :
+         {Told{"error between keyframes and grid points, m", budget.interpolation_m,
+               sea::told_error_m_max},
+          Told{"rms slope", budget.rms_slope, sea::told_slope_max},
+          Told{"curvature, 1/m", budget.curvature_per_m, sea::told_curvature_per_m_max},
+          Told{"displacement, m", budget.displacement_reach_m, sea::told_sideways_max},
+          Told{"rms strain", budget.rms_strain, sea::told_sideways_max},
+          Told{"error of displacements, m", budget.interpolation_displacement_m,
+               sea::told_sideways_max},
+          Told{"error of strains", budget.interpolation_strain, sea::told_sideways_max}})
+        if (!(told.value <= told.most))
+            return Error{
+                fmt::format("{}: its waves are too steep for tiles: {} = {:.3g}, at most {:g}",
+                            source, told.what, told.value, told.most)};
+    return {};
 }
 
 /// The shorter interval of two seas, cascade by cascade.
@@ -52,9 +78,11 @@ Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t ep
     if (!realized)
         return realized.error();
     SEAWAY_TRY_LET(sea::CertificatePtr certificate, sea::load_certificate(scene));
-    return make_running_sea(scene, epoch,
-                            std::make_shared<const sea::Realization>(std::move(realized).value()),
-                            std::move(certificate));
+    RunningSeaPtr sea = make_running_sea(
+        scene, epoch, std::make_shared<const sea::Realization>(std::move(realized).value()),
+        std::move(certificate));
+    SEAWAY_TRY(check_told(sea->budget, scene.source));
+    return sea;
 }
 
 RunningSeaPtr make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
@@ -73,7 +101,10 @@ Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, s
     SEAWAY_TRY_LET(sea::SeaTransition change,
                    sea::SeaTransition::create(then, to.realization, start_us, end_us));
     auto glide = std::make_shared<SeaGlide>(
-        SeaGlide{std::move(change), from.choppiness_at(start_us), 0.0, 0.0, nullptr});
+        SeaGlide{std::move(change), from.choppiness_at(start_us),
+                 from.glides_at(start_us) ? sea::summarize(from.scene.sea, *then).realised
+                                          : from.summary.realised,
+                 0.0, 0.0, nullptr});
     const sea::FoamLawPtr foam = from.foam_law_at(start_us);
     if (foam && to.foam_law) {
         glide->foam_mean = from.foam_mean_at(start_us);
@@ -81,8 +112,9 @@ Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, s
         glide->foam = std::make_shared<const sea::FoamGlide>(glide->change, foam, to.foam_law);
     }
     const sea::RealizationPtr envelope = glide->change.envelope();
-    sea::ErrorBudget budget = sea::plan_budget(*envelope, to.scene.accuracy.height_error_m,
-                                               shorter_intervals(from.budget, to.budget));
+    sea::ErrorBudget budget =
+        sea::plan_budget(*envelope, to.scene.accuracy.height_error_m,
+                         shorter_intervals(from.budget, to.budget), end_us - start_us);
     // What follows from heights does so in water of one depth. A glide that is cut is somewhere between its two.
     const auto deep_as = [](const sea::CascadeModes& a, const sea::CascadeModes& b) {
         return a.depth_m == b.depth_m;
@@ -90,6 +122,7 @@ Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, s
     budget.displacement_follows =
         budget.displacement_follows &&
         std::ranges::equal(then->cascades, to.realization->cascades, deep_as);
+    SEAWAY_TRY(check_told(budget, to.scene.source));
     return std::make_shared<const RunningSea>(
         RunningSea{epoch, to.scene, glide->change.after(), std::move(budget), to.offered,
                    to.summary, to.truth, to.foam_law, to.certificate, std::move(glide)});

@@ -25,8 +25,9 @@ namespace seaway::server {
 /// On the way to a sea.
 struct SeaGlide {
     sea::SeaTransition change;
-    sea::Choppiness choppiness; ///< that it began with
-    double foam_mean = 0;       ///< likewise
+    sea::Choppiness choppiness;  ///< that it began with
+    sea::SeaStatistics realised; ///< likewise
+    double foam_mean = 0;        ///< likewise
     double foam_threshold = 0;
     std::shared_ptr<const sea::FoamGlide> foam; ///< null where the scene allows no foam
 };
@@ -80,7 +81,7 @@ struct RunningSea {
 using RunningSeaPtr = std::shared_ptr<const RunningSea>;
 
 /// Realises the scene and reads its certificate. An error is one line that names what in the scene
-/// cannot be had.
+/// cannot be had; that its waves are beyond what a client takes is one.
 Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch);
 
 /// The same of a scene that is realised already, and possibly changed since, with this certificate. Reads no file.

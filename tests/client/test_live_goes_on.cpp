@@ -353,6 +353,19 @@ TEST(Staleness, costs_nothing_until_a_change_may_have_begun_and_then_grows_to_an
                 6 * std::sqrt(2.0), 1e-12);
 }
 
+// Naive: of a storm that fades, what a client that was cut off may miss is as little as of the calm that comes.
+TEST(Staleness, of_a_sea_that_fades_is_that_of_what_it_still_was) {
+    SeaState state = stale_state();
+    state.start_time_us = 40'000'000;
+    const sea::TimeUs heard_us = 50'000'000, late_us = heard_us + 3'600'000'000;
+    const double calm_m = stale_error_m(state, heard_us, late_us);
+    state.glide = protocol::GlideValues{.end_us = 640'000'000};
+    state.glide->realised = protocol::SeaNumbers{.hs_m = 10};
+    EXPECT_NEAR(stale_error_m(state, heard_us, late_us),
+                calm_m * state.realised_at(heard_us).hs_m / state.realised.hs_m, 1e-9);
+    EXPECT_NEAR(stale_error_m(state, 641'000'000, late_us), calm_m, 1e-12);
+}
+
 // The hardest change that the error is stated for: waves of the same energy that have nothing to do with those before.
 TEST(Staleness, is_true_of_a_change_to_another_sea_of_the_same_height) {
     const SeaState state = stale_state();

@@ -164,6 +164,18 @@ TEST(Messages, what_glides_is_on_the_way_from_what_it_was_to_what_the_sea_state_
         EXPECT_NEAR(read_back.foam_mean_at(time_us), 0.24 - share * 0.2, 1e-12) << time_us;
         EXPECT_NEAR(read_back.foam_threshold_at(time_us), -0.25 + share, 1e-12) << time_us;
     }
+    EXPECT_EQ(there().realised_at(12'500'000).hs_m, state.realised.hs_m) << "older servers";
+    state.glide->realised = SeaNumbers{.hs_m = 10.2, .tp_s = 15, .tz_s = 11, .mean_from_deg = 350};
+    state.realised.mean_from_deg = 20;
+    const SeaNumbers half = there().realised_at(15'000'000);
+    EXPECT_NEAR(half.hs_m, 0.5 * (10.2 + state.realised.hs_m), 1e-12);
+    EXPECT_NEAR(half.mean_from_deg, 5, 1e-9) << "the shorter way round";
+    EXPECT_NEAR(there().highest_hs_m(15'000'000), half.hs_m, 1e-12);
+    EXPECT_EQ(there().highest_hs_m(30'000'000), state.realised.hs_m);
+    state.glide->realised->hs_m = std::numeric_limits<double>::quiet_NaN();
+    const auto no_number = sea_state(state);
+    EXPECT_FALSE(check(*read(reader, no_number)->body_as_SeaState())) << "of what is drawn";
+    state.glide->realised = {};
     state.glide->end_us = 9'999'999;
     const auto backwards = sea_state(state);
     EXPECT_FALSE(check(*read(reader, backwards)->body_as_SeaState())) << "ends before it begins";

@@ -209,6 +209,7 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
                         {"scene", "some.toml"},
                         {"requested", numbers(5, 270 - 28.64788975654116)},
                         {"realised", numbers(17, 630 - 315.126787321952766)},
+                        {"realised_before", nullptr},
                         // 3-4-5 and 5-12-13: what both axes miss together.
                         {"cascades",
                          {cascade(301, 0.011, 0.27, 0.25, 0.01, 0.05, 1.5, 1.7),

@@ -54,9 +54,9 @@ struct CascadeWaves::Missed {
     }
 };
 
-CascadeWaves::CascadeWaves(const CascadeModes& modes)
-    : size_(modes.spec.size), compact_size_(size_), spacing_m_(modes.spec.spacing_m()),
-      length_m_(modes.spec.length_m), depth_m_(modes.depth_m),
+CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us)
+    : glide_us_(glide_us), size_(modes.spec.size), compact_size_(size_),
+      spacing_m_(modes.spec.spacing_m()), length_m_(modes.spec.length_m), depth_m_(modes.depth_m),
       rings_(static_cast<std::size_t>(size_)) { // the corners are at 0.71 of it
     for (std::size_t i = 0; i < modes.h0.size(); ++i)
         if (modes.h0[i] != std::complex<double>{})
@@ -122,6 +122,8 @@ void CascadeWaves::add(const Wave& wave, Missed (&missed)[3]) {
     count(height_, missed[0], 1.0, spline_error);
     count(displacement_, missed[1], wave.aspect, spline_error);
     count(strain_, missed[2], wave.aspect * k, spline_slope_error);
+    curvature_.add(wave.variance_m2 * square(k * k), std::sqrt(2.0 * wave.variance_m2) * k * k,
+                   wave.given);
     Ring& ring = rings_[static_cast<std::size_t>(wave.index)];
     const auto count_ring = [&](WaveSum& sum, double factor) {
         const double part = wave.variance_m2 * square(factor);
@@ -173,8 +175,10 @@ double CascadeWaves::time_rms(const Motion& motion, TimeUs interval_us) const {
 }
 
 double CascadeWaves::missed_in_time(int bin, TimeUs interval_us) const {
-    return hermite_error(omega_max_radps_ * (bin + 1) / Motion::bins *
-                         seconds_from_us(interval_us));
+    const double u = omega_max_radps_ * (bin + 1) / Motion::bins * seconds_from_us(interval_us);
+    return glide_us_ > 0
+               ? gliding_error(u, static_cast<double>(interval_us) / static_cast<double>(glide_us_))
+               : hermite_error(u);
 }
 
 Motion::Missed CascadeWaves::in_common(const Motion& motion, TimeUs interval_us) const {
@@ -190,7 +194,7 @@ Motion::Missed CascadeWaves::in_common(const Motion& motion, TimeUs interval_us)
 
 double CascadeWaves::with_sines_m(double height_m, TimeUs interval_us) const {
     for (const SineError& sine : sines_)
-        height_m = std::hypot(height_m, as_rms(sine.time_m(interval_us)));
+        height_m = std::hypot(height_m, as_rms(sine.time_m(interval_us, glide_us_)));
     return height_m;
 }
 

@@ -67,7 +67,8 @@ struct CutWaves {
 
 class CascadeWaves {
   public:
-    explicit CascadeWaves(const CascadeModes& modes);
+    /// Of a steady sea, or of one that glides in so long a time, whose waves are no higher than these.
+    explicit CascadeWaves(const CascadeModes& modes, TimeUs glide_us = 0);
 
     /// Losses of this interval; nothing is coded. A spline and Hermite's cubic both make a wave smaller, so that what they miss of one
     /// wave adds up: of (t + x)^2 the halves of 2 t x stand with what each misses alone.
@@ -88,6 +89,7 @@ class CascadeWaves {
     const Motion& height() const { return height_; }
     const Motion& displacement() const { return displacement_; }
     const Motion& strain() const { return strain_; }
+    const WaveSum& curvature() const { return curvature_; } ///< of heights, as k^2
     double spacing_m() const { return spacing_m_; }
     /// Of the grid.
     double points() const { return static_cast<double>(size_) * size_; }
@@ -122,6 +124,7 @@ class CascadeWaves {
     double slow_rms(const Motion& motion, TimeUs interval_us, TimeUs slow_us) const;
     double with_sines_m(double height_m, TimeUs interval_us) const;
 
+    TimeUs glide_us_;
     int size_;
     int compact_size_;
     double follows_gain_ = std::numeric_limits<double>::infinity();
@@ -130,6 +133,7 @@ class CascadeWaves {
     Motion height_;
     Motion displacement_;
     Motion strain_;
+    WaveSum curvature_;
     double detail_m2_ = 0;
     double rate_detail_m2ps2_ = 0;
     double length_m_;

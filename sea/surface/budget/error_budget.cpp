@@ -40,15 +40,17 @@ ErrorBudget outline(const Realization& sea, std::span<const CascadeWaves> cascad
     ErrorBudget budget;
     budget.height_error_m = height_error_m;
     budget.choppiness = sea.choppiness;
-    WaveSum slope, strain, displacement;
+    WaveSum slope, strain, displacement, curvature;
     for (const CascadeWaves& waves : cascades) {
         slope.add(waves.height().gradient, 1.0);
         strain.add(waves.displacement().gradient, 1.0);
         displacement.add(waves.displacement().whole, 1.0);
+        curvature.add(waves.curvature(), 1.0);
         budget.single_precision_m += waves.height().single_m;
         budget.single_precision_displacement_m += waves.displacement().single_m;
     }
     budget.rms_slope = std::sqrt(slope.mean_square_m2());
+    budget.curvature_per_m = bound_sigmas * std::sqrt(curvature.variance_m2(bound_sigmas));
     // Waves that may agree fold the sea where their strains add up to one.
     budget.rms_strain = std::sqrt(strain.variance_m2(1.0 / folds_searched_above));
     budget.displacement_reach_m =
@@ -120,8 +122,12 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
     budget.bits_per_s = spending.bits_per_s;
 }
 
-std::vector<CascadeWaves> waves_of(const Realization& sea) {
-    return {sea.cascades.begin(), sea.cascades.end()};
+std::vector<CascadeWaves> waves_of(const Realization& sea, TimeUs glide_us = 0) {
+    std::vector<CascadeWaves> all;
+    all.reserve(sea.cascades.size());
+    for (const CascadeModes& modes : sea.cascades)
+        all.emplace_back(modes, glide_us);
+    return all;
 }
 
 /// Bound of a coded value of this cascade.
@@ -142,8 +148,8 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m) {
 }
 
 ErrorBudget plan_budget(const Realization& sea, double height_error_m,
-                        std::span<const TimeUs> intervals_us) {
-    const std::vector<CascadeWaves> cascades = waves_of(sea);
+                        std::span<const TimeUs> intervals_us, TimeUs glide_us) {
+    const std::vector<CascadeWaves> cascades = waves_of(sea, glide_us);
     ErrorBudget budget = outline(sea, cascades, height_error_m);
     const double weight = sideways_weight(budget);
     const double all_m2 = left_to_spend(budget, cascades);
@@ -224,7 +230,9 @@ MapError map_error(const ErrorBudget& budget, double codec_error_m) {
     MapError error{.cascades = {},
                    .height_bound_m = budget.single_precision_m,
                    .displacement_bound_m = budget.single_precision_displacement_m,
-                   .strain_bound = budget.interpolation_strain};
+                   .strain_bound = budget.interpolation_strain,
+                   .rms_slope = budget.rms_slope,
+                   .curvature_per_m = budget.curvature_per_m};
     double coded_strain2 = 0;
     for (const CascadeBudget& cascade : budget.cascades) {
         CascadeLoss& loss = error.cascades.emplace_back(cascade.loss);

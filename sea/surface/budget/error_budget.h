@@ -83,6 +83,7 @@ struct ErrorBudget {
     /// Of the divergence of D; in deep water rms_slope. At least folds_searched_above times the strain of
     /// all waves together whose phases were given.
     double rms_strain = 0;
+    double curvature_per_m = 0;      ///< of the surface at choppiness 0, at most: of modes
     double displacement_reach_m = 0; ///< lambda |D| stays below this (six standard deviations)
     double bits_per_s = 0;           ///< what spending.h prices a second of this at
     Choppiness choppiness;
@@ -97,9 +98,9 @@ inline constexpr double follows_gain_max = 1.0;
 ErrorBudget plan_budget(const Realization& sea, double height_error_m);
 
 /// Intervals are given, one a cascade; what is left of the budget goes to the codec, a sixteenth of its
-/// variance at least.
+/// variance at least. `glide_us`: of a sea that glides in so long a time, whose waves are at most these; 0: a steady one.
 ErrorBudget plan_budget(const Realization& sea, double height_error_m,
-                        std::span<const TimeUs> intervals_us);
+                        std::span<const TimeUs> intervals_us, TimeUs glide_us = 0);
 
 /// How answers about this sea look for folds.
 FoldSearch fold_search(const ErrorBudget& budget);

@@ -39,6 +39,13 @@ double hermite_error(double u) {
     return 2.0 + 0.25 * u;
 }
 
+double gliding_error(double u, double q) {
+    constexpr double first = 15.0 / 8.0, second = 5.773502691896258, third = 60.0, fourth = 360.0;
+    const double change = q * (4.0 * first * u * u * u +
+                               q * (6.0 * second * u * u + q * (4.0 * third * u + q * fourth)));
+    return hermite_error(u) + 2.0 * change / 384.0;
+}
+
 double spline_error(double q) {
     const double aliases = aliases_of(q, 4);
     return 2.0 * aliases / (1.0 + aliases);

@@ -23,6 +23,10 @@ inline double square(double x) {
 /// as u grows. Up to hermite_phase_max it is met, in the middle; beyond, keyframes know nothing of
 /// the wave, and no interval is chosen there while there is a shorter one.
 double hermite_error(double u);
+/// The same of a wave that glides to another (sea/basics/glide.h) in 1/q intervals, as a share of the larger of both: Hermite's
+/// remainder of the product, to which each derivative of the glide (at most 15/8, 10/sqrt(3), 60 and 360) comes by Leibniz's rule,
+/// of the difference of the two waves, at most twice the larger.
+double gliding_error(double u, double q);
 inline constexpr double hermite_phase_max = 2.0 * std::numbers::pi;
 
 /// Amplitude share that a cubic spline misses at phase step q = k dx, 0 .. pi.

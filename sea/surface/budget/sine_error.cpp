@@ -154,8 +154,14 @@ double SineError::hermite_error_m(const Sample& s, TimeUs interval_us) const {
     return std::abs(hermite_m - middle.height);
 }
 
-double SineError::time_m(TimeUs interval_us) const {
-    return margin * largest([&](const Sample& s) { return hermite_error_m(s, interval_us); });
+double SineError::time_m(TimeUs interval_us, TimeUs glide_us) const {
+    const double steady_m =
+        margin * largest([&](const Sample& s) { return hermite_error_m(s, interval_us); });
+    if (glide_us <= 0)
+        return steady_m;
+    const double u = stride_s_ > 0 ? seconds_from_us(interval_us) / stride_s_ : 0.0;
+    const double q = static_cast<double>(interval_us) / static_cast<double>(glide_us);
+    return steady_m + sine_height_max_m(field_) * (gliding_error(u, q) - hermite_error(u));
 }
 
 } // namespace seaway::sea

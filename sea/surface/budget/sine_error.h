@@ -21,8 +21,9 @@ class SineError {
     /// found, from the largest that were met uphill, for those that were not. Held by tests, not proved.
     double east_m() const { return east_m_; }
     double north_m() const { return north_m_; }
-    /// Likewise on what cubic Hermite misses between keyframes.
-    double time_m(TimeUs interval_us) const;
+    /// Likewise on what cubic Hermite misses between keyframes; and, in a glide, by gliding_error(), as if all of it were the
+    /// fastest wave.
+    double time_m(TimeUs interval_us, TimeUs glide_us = 0) const;
 
     double slope_variance() const { return slope_variance_; }
     /// As of CascadeWaves.

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "sea/surface/budget/error_budget.h"
 #include "sea/surface/surface.h"
 #include "tests/support/explicit_sea.h"
 
@@ -78,6 +79,59 @@ TEST(LongAfter, thirty_years_a_surface_is_as_near_to_its_sum_as_on_the_first_day
     EXPECT_LT(first_m, 1e-3) << "else nothing is compared";
     for (const TimeUs then_us : {TimeUs{1'000'000'000'000'000}, -TimeUs{1'000'000'000'000'000}})
         EXPECT_LT(rms_m(then_us), 1.5 * first_m);
+}
+
+/// One wave of a tile, so that the surface is known in closed form: at X + lambda D(X) it is as high as a cos(k X).
+struct SingleWave {
+    double amplitude_m, length_m, choppiness, height_error_m;
+    int size;
+
+    double k() const { return two_pi / length_m; }
+    /// Where x lies, by bisection: X - lambda a sin(k X) grows where it does not fold.
+    double height_m(double x_m) const {
+        double from = x_m - length_m, to = x_m + length_m;
+        for (int i = 0; i < 200; ++i) {
+            const double middle = 0.5 * (from + to);
+            (middle - choppiness * amplitude_m * std::sin(k() * middle) < x_m ? from : to) = middle;
+        }
+        return amplitude_m * std::cos(k() * from);
+    }
+};
+
+// A place is met to a tolerance, by which heights are off as steep as the water is there, and by what it bends. Naive: no water is steeper
+// than ten, and on a crest, which is level, nothing is missed.
+TEST(Steep,
+     what_the_tolerance_of_a_place_leaves_of_a_height_is_stated_wherever_water_is_steep_or_bends) {
+    for (const SingleWave& wave : {SingleWave{100, 0.1, 1.2e-4, 0.01, 64},
+                                   SingleWave{10, 1, 0.01, 0.1, 64}, SingleWave{5, 1, 0.02, 1, 64},
+                                   SingleWave{10, 10, 0.1, 1, 64}, SingleWave{0.05, 0.5, 1, 1, 64},
+                                   SingleWave{0.03, 0.5, 1, 1, 64}, SingleWave{1, 20, 1, 1, 64}}) {
+        CascadeModes modes = tests::calm_cascade(wave.length_m, wave.size);
+        tests::add_wave(modes, 1, 0, wave.amplitude_m, 0.0);
+        const RealizationPtr sea = tests::make_sea({modes}, {wave.choppiness, wave.choppiness});
+        const ErrorBudget budget = plan_budget(*sea, wave.height_error_m);
+        const SplineMapPtr map = std::make_shared<SplineMap>(*tests::exact_keyframe(sea, 0, 0));
+        const Surface surface({{{map, map}}}, sea->choppiness, fold_search(budget),
+                              map_error(budget, 0), inverse_tolerance_m(wave.height_error_m));
+        std::mt19937_64 random(17);
+        std::uniform_real_distribution<double> place(-wave.length_m, wave.length_m);
+        std::vector<QueryPoint> points;
+        for (int i = 0; i < 1000; ++i)
+            points.push_back({place(random), place(random), 0});
+        std::vector<Answer> answers(points.size());
+        surface.answer(points, answers);
+        double worst = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Answer alone = surface.answer_carefully(points[i]);
+            for (const Answer& answer : {answers[i], alone})
+                if (!(answer.flags & answer_folded))
+                    worst =
+                        std::max(worst, std::abs(answer.height_m - wave.height_m(points[i].x_m)) /
+                                            answer.error_m);
+        }
+        EXPECT_LT(worst, 1) << wave.amplitude_m << " m on " << wave.length_m << " m";
+        EXPECT_GT(worst, 1e-4) << "else nothing is compared";
+    }
 }
 
 /// Two crossing waves whose crests meet at the origin, steep enough for J = 0.08 there. With steepness s of each, directions

@@ -8,6 +8,7 @@
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/spectrum_builder.h"
 #include "tests/sea/sea_fixture.h"
+#include "tests/support/explicit_sea.h"
 
 namespace seaway::sea {
 namespace {
@@ -204,6 +205,24 @@ TEST(QuantisedSpectrum, is_as_good_as_wanted_of_every_narrow_swell) {
                     two_layers += waves.blocks.front().shift > 0;
                 }
     EXPECT_GT(two_layers, 0);
+}
+
+// Naive: the step of the shortest waves is so much finer than that of the longest that a code of theirs is no int any more, and what
+// is told is off by the wave itself.
+TEST(QuantisedSpectrum, waves_so_steep_that_no_step_is_fine_enough_say_what_is_missed) {
+    CascadeModes modes = tests::calm_cascade(0.1, 64);
+    for (int n = 1; n <= 20; ++n)
+        tests::add_wave(modes, n, 7, 20.0, 0.3 * n);
+    const Realization sea{{modes}, {}, 0};
+    const SpectrumAccuracy wanted{0.01, 0.005};
+    const QuantisedSpectrum waves = quantise(sea, wanted);
+    for (const WaveBlock& block : waves.blocks)
+        for (const std::int32_t code : block.codes)
+            ASSERT_LE(std::abs(static_cast<double>(code)), 0x1p30);
+    ASSERT_FALSE(waves.left.empty());
+    // By the steps that it tells: half of one, of each part, is left of each wave.
+    const double step = waves.steps.of(two_pi / 0.1 * std::hypot(1, 7), 0);
+    EXPECT_LT(waves.left.back().height_m, 20 * step * 20);
 }
 
 TEST(QuantisedSpectrum, a_sea_without_waves_needs_no_block) {

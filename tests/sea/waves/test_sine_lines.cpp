@@ -4,9 +4,11 @@
 #include <memory>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "sea/basics/constants.h"
+#include "sea/scene/scene.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/reference.h"
 #include "sea/waves/sine_waves.h"
@@ -43,6 +45,28 @@ TEST(Sines, a_sharp_waves_slopes_and_rates_are_those_of_all_its_harmonics) {
         EXPECT_NEAR(of_slope, slope, 1e-9 * slope) << sharpness;
         EXPECT_NEAR(of_rate, rate, 1e-9 * rate) << sharpness;
     }
+}
+
+// Each wave moves those after it, by its second derivative: 64 of them at the ends of their ranges make of a rounding more than the sea
+// is high, or infinities. Refused by name; what games draw is far below.
+TEST(Sines, waves_that_drag_each_other_beyond_all_numbers_are_refused_by_name) {
+    const auto sines = [](double amplitude_m, double sharpness, double drag, int count) {
+        return fmt::format("[sea]\nseed = 3\n[[sea.system]]\ntype = \"sines\"\nfrom_deg = "
+                           "270\nshape = \"exponential\"\nnormalise = false\n"
+                           "amplitude_ratio = 1.0\nwavenumber_ratio = 1.0\ncount = {}\n"
+                           "amplitude_m = {}\nlength_m = 128\nwavelength_m = 10\n"
+                           "drag = {}\nsharpness = {}\n",
+                           count, amplitude_m, drag, sharpness);
+    };
+    for (const std::string& toml :
+         {sines(100, 10, 2, 64), sines(2, 2, 2, 64), sines(1, 1, 2, 64)}) {
+        const Result<Scene> refused = parse_scene(toml, "test", ".");
+        ASSERT_FALSE(refused) << toml;
+        EXPECT_NE(refused.error().message.find("drag"), std::string::npos)
+            << refused.error().message;
+    }
+    EXPECT_TRUE(parse_scene(sines(100, 10, 0, 64), "test", "."));
+    EXPECT_TRUE(parse_scene(sines(0.1, 2, 0.4, 64), "test", "."));
 }
 
 /// Of the heights over a tile, all places alike.

@@ -199,6 +199,21 @@ TEST(SeaCourse, what_cannot_change_while_a_sea_runs_is_refused_by_name_and_chang
     EXPECT_EQ(course->epochs(), 1u);
 }
 
+// Naive: it is run, told and journalled, and no client takes what it is told.
+TEST(SeaCourse, a_sea_that_no_client_takes_is_refused_by_name) {
+    sea::Scene steep = scene_of();
+    steep.sea.systems.clear();
+    sea::ExplicitModes modes;
+    modes.length_m = 0.1;
+    modes.modes = {{300, 0, 100.0, 0.0}};
+    steep.sea.systems.emplace_back(modes);
+    steep.cascades = {{0.1, 1024}};
+    const auto refused = make_running_sea(steep, 1);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("rms slope = "), std::string::npos)
+        << refused.error().message;
+}
+
 // Of a change between two equally high seas of other directions the envelope is as high as both together.
 TEST(SeaCourse, the_bounds_of_a_glide_hold_the_waves_of_both_seas) {
     const auto course = *SeaCourse::begin(scene_of());
@@ -207,6 +222,8 @@ TEST(SeaCourse, the_bounds_of_a_glide_hold_the_waves_of_both_seas) {
     const sea::ErrorBudget &high_b = course->sea(1)->budget, &glide = course->sea(2)->budget,
                            &low_b = course->sea(3)->budget;
     EXPECT_GT(high_b.displacement_reach_m, 1.5 * low_b.displacement_reach_m);
+    EXPECT_EQ(course->sea(2)->glide->realised.significant_height_m,
+              course->sea(1)->summary.realised.significant_height_m);
     EXPECT_GE(glide.displacement_reach_m, 0.999 * high_b.displacement_reach_m);
     for (std::size_t c = 0; c < 2; ++c) {
         EXPECT_LE(glide.cascades[c].interval_us, high_b.cascades[c].interval_us);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "sea/basics/glide.h"
 #include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/maps/hermite.h"
@@ -31,6 +32,43 @@ double largest_hermite_error(double u) {
         largest = std::max(largest, std::abs(mixed - std::exp(1i * (u * s))));
     }
     return largest;
+}
+
+// Of a wave that fades while another grows in its place, as amplitudes do in a glide. Naive: the law of a steady wave, which a swell of
+// a minute and keyframes two seconds apart pass eight times.
+TEST(TimeBudget, of_a_glide_no_more_is_missed_than_is_stated) {
+    using namespace std::complex_literals;
+    constexpr TimeUs glide_us = glide_us_min;
+    const double glide_s = seconds_from_us(glide_us);
+    for (const double interval_s : {0.1, 0.5, 2.0, 5.0})
+        for (const double omega : {0.0, 0.06, 0.5, 2.0})
+            for (const std::complex<double> other : {0.0 + 0.0i, -1.0 + 0.0i, 0.0 + 1.0i}) {
+                const auto value = [&](double t_s) {
+                    const double s = glide_share(us_from_seconds(t_s), 0, glide_us);
+                    return (1.0 + s * (other - 1.0)) * std::exp(1i * (omega * t_s));
+                };
+                const auto rate = [&](double t_s) {
+                    const double ds = glide_rate(us_from_seconds(t_s), 0, glide_us);
+                    return 1i * omega * value(t_s) +
+                           ds * (other - 1.0) * std::exp(1i * (omega * t_s));
+                };
+                const TimeUs interval_us = us_from_seconds(interval_s);
+                const double bound = gliding_error(omega * interval_s, interval_s / glide_s);
+                double worst = 0;
+                for (double t_s = 0; t_s < glide_s; t_s += interval_s)
+                    for (const double share : {0.25, 0.5, 0.75}) {
+                        const HermiteWeights w =
+                            hermite_weights(0, interval_us, us_from_seconds(share * interval_s));
+                        const double after_s = t_s + interval_s;
+                        const std::complex<double> mixed =
+                            w.value[0] * value(t_s) + w.value[1] * rate(t_s) +
+                            w.value[2] * value(after_s) + w.value[3] * rate(after_s);
+                        worst = std::max(worst, std::abs(mixed - value(t_s + share * interval_s)));
+                    }
+                EXPECT_LE(worst, bound * (1 + 1e-9) + 1e-13) << interval_s << " " << omega;
+                EXPECT_GE(bound, hermite_error(omega * interval_s));
+            }
+    EXPECT_EQ(gliding_error(0.7, 0.0), hermite_error(0.7));
 }
 
 // Towards a keyframe the error of every wave falls as s^2, whatever its phase step.
