@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sea/surface/budget/interpolation_laws.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seaway::sea {
@@ -40,10 +41,18 @@ double hermite_error(double u) {
 }
 
 double gliding_error(double u, double q) {
-    constexpr double first = 15.0 / 8.0, second = 5.773502691896258, third = 60.0, fourth = 360.0;
-    const double change = q * (4.0 * first * u * u * u +
-                               q * (6.0 * second * u * u + q * (4.0 * third * u + q * fourth)));
-    return hermite_error(u) + 2.0 * change / 384.0;
+    constexpr int steps = 32; // of the way: what is missed grows and falls with it smoothly
+    const double steady = hermite_error(u);
+    double worst = steady;
+    for (int i = 0; i <= steps; ++i) {
+        const double x = static_cast<double>(i) / steps, r = 1.0 - x;
+        const double first = 30.0 * x * x * r * r, second = 60.0 * x * r * std::abs(r - x);
+        const double third = 60.0 * std::abs(1.0 - 6.0 * x * r), fourth = 360.0 * std::abs(r - x);
+        const double even = q * q * (6.0 * second * u * u + q * q * fourth);
+        const double odd = 4.0 * q * u * (first * u * u + q * q * third);
+        worst = std::max(worst, std::hypot(steady + 2.0 * even / 384.0, 2.0 * odd / 384.0));
+    }
+    return worst;
 }
 
 double spline_error(double q) {
