@@ -14,14 +14,14 @@ Result<void> check_numbers(std::string_view of, const wire::SeaNumbers* numbers)
     if (numbers == nullptr)
         return {};
     const auto name = [of](std::string_view field) { return std::string(of) + std::string(field); };
-    constexpr double most = 1e9;
+    constexpr double most = 1e9, steepest = 1e300; // that it is a number
     return all_of(in_range(name(".hs_m"), numbers->hs_m(), 0.0, most),
                   in_range(name(".tp_s"), numbers->tp_s(), 0.0, most),
                   in_range(name(".tz_s"), numbers->tz_s(), 0.0, most),
                   in_range(name(".tm01_s"), numbers->tm01_s(), 0.0, most),
                   in_range(name(".mean_from_deg"), numbers->mean_from_deg(), -360.0, 360.0),
                   in_range(name(".spread_deg"), numbers->spread_deg(), 0.0, 360.0),
-                  in_range(name(".mss"), numbers->mss(), 0.0, most));
+                  in_range(name(".mss"), numbers->mss(), 0.0, steepest));
 }
 
 Result<void> check_glide(const wire::SeaState& state) {

@@ -45,7 +45,7 @@ std::string Following::doubt() const {
         return fmt::format(
             "its clock is {:.1f} ms {} those of {} others: heights would be {:.0f} mm off, "
             "and {:.0f} mm are allowed",
-            1e-3 * off_us, journal.peers.ahead_us > 0 ? "ahead of" : "behind", journal.peers.peers,
+            1e-3 * off_us, journal.peers.ahead_us > 0 ? "ahead of" : "behind", journal.peers.judges,
             1e-3 * off_us * vertical_mps, 1e3 * height_error_m);
     case Doubt::writing:
         return fmt::format("a change has been under way to the journal for {:.1f} s",

@@ -77,10 +77,10 @@ sea::SeaTime World::sea_time() const {
         const bool unsure = now && !now->doubt().empty();
         const std::int64_t since_us = unsure_since_us_;
         // It has been told of all changes up to when it heard of the log last, whoever looked meanwhile.
-        const std::int64_t heard_us = now_us - (!unsure                 ? 0
-                                                : now->writing_us > 0   ? now->writing_us
-                                                : !now->journal.current ? now->journal.unheard_us
-                                                                        : 0);
+        const std::int64_t heard_us =
+            now_us -
+            (unsure ? std::max(now->writing_us, now->journal.current ? 0 : now->journal.unheard_us)
+                    : 0);
         unsure_since_us_ = !unsure ? 0 : since_us == 0 ? heard_us : std::min(since_us, heard_us);
     }
     const SeaMoment moment = clock_.moment();

@@ -252,8 +252,7 @@ Error SharedJournal::refused(const Error& why) const {
 
 /// Where the sea's clock is pulled towards the machine's, which was set forward, and NATS has shown that it agrees with that: all that
 /// is made until it is there would lapse as well, and stay in the log.
-Result<void> SharedJournal::check_with_utc(std::int64_t made_utc_us) {
-    const std::int64_t behind_us = options_.utc() - made_utc_us;
+Result<void> SharedJournal::check_with_utc(std::int64_t behind_us) {
     lapses_ = lapses_ && behind_us > stored_within_us / 2;
     if (!lapses_)
         return {};
@@ -267,9 +266,10 @@ Result<void> SharedJournal::check_with_utc(std::int64_t made_utc_us) {
 Result<void> SharedJournal::append(const SeaChange& change) {
     // Of now, when its start was planned, however long the log keeps it waiting.
     const std::int64_t made_utc_us = utc_us(), by_utc_us = made_utc_us + stored_within_us;
+    const std::int64_t behind_us = options_.utc() - made_utc_us;
     const std::int64_t made_us = options_.steady();
     const std::scoped_lock lock(log_mutex_);
-    SEAWAY_TRY(check_with_utc(made_utc_us));
+    SEAWAY_TRY(check_with_utc(behind_us));
     const std::int64_t began_us = options_.steady();
     // Also so that nothing is written to a log that is not the one that was followed.
     const Result<SharedLog::Tail> end = catch_up();

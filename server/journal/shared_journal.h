@@ -93,7 +93,7 @@ class SharedJournal final : public Journal {
     Error refused(const Error& why) const;
     /// By the clock of the sea, once that runs.
     std::int64_t utc_us() const;
-    Result<void> check_with_utc(std::int64_t made_utc_us);
+    Result<void> check_with_utc(std::int64_t behind_us);
     /// Remembers what came of asking the log.
     void heard(std::int64_t asked_us, const Result<SharedLog::Tail>& tail);
     void run();

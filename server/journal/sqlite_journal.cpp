@@ -272,41 +272,48 @@ Result<void> SqliteJournal::open_file() {
 }
 
 Result<void> SqliteJournal::look_through() {
-    const auto is_damaged = [](const std::string& how) {
-        return Error{fmt::format("is damaged ({}); it is left as it is", how)};
+    // What passes is no damage, wherever it comes between.
+    const auto is_damaged = [](const Error& how) {
+        return how.is(JournalError::unreachable)
+                   ? how
+                   : Error{fmt::format("is damaged ({}); it is left as it is", how.message)};
     };
     SEAWAY_TRY_LET(Statement check, Statement::prepare(database_.get(), "PRAGMA quick_check(1)"));
     const Result<bool> checked = check.step();
-    if (!checked && checked.error().is(JournalError::unreachable))
-        return checked.error();
-    if (!checked || !*checked || check.text(0) != "ok")
-        return is_damaged(checked ? check.text(0) : checked.error().message);
+    if (!checked)
+        return is_damaged(checked.error());
+    if (!*checked || check.text(0) != "ok")
+        return is_damaged(Error{check.text(0)});
     Result<Statement> sea = Statement::prepare(database_.get(), "SELECT epoch_utc_us FROM sea");
     if (!sea)
-        return is_damaged(sea.error().message);
+        return is_damaged(sea.error());
     const Result<bool> has_sea = sea->step();
-    if (!has_sea || !*has_sea)
-        return is_damaged("it does not say when the sea began");
+    if (!has_sea)
+        return is_damaged(has_sea.error());
+    if (!*has_sea)
+        return is_damaged(Error{"it does not say when the sea began"});
     epoch_utc_us_ = sea->integer(0);
     if (const Result<void> epoch = check_epoch(epoch_utc_us_); !epoch)
-        return is_damaged(epoch.error().message);
+        return is_damaged(epoch.error());
     const Result<std::vector<SeaChange>> changes = since(0);
     if (!changes)
-        return is_damaged(changes.error().message);
+        return is_damaged(changes.error());
     if (changes->empty() || changes->front().epoch != 1 || changes->front().start_us != 0)
-        return is_damaged("it does not hold the sea that it began with");
+        return is_damaged(Error{"it does not hold the sea that it began with"});
     SeaChange last{.epoch = 0};
     sum_ = first_sum(epoch_utc_us_);
     Result<Statement> sums =
         Statement::prepare(database_.get(), "SELECT sum FROM changes ORDER BY epoch");
     for (const SeaChange& change : *changes) {
         if (const Result<void> next = check_next(last, change); !next)
-            return is_damaged(next.error().message);
+            return is_damaged(next.error());
         sum_ = sum_of(sum_, change);
-        if (const auto row = sums ? sums->step() : Result<bool>(sums.error());
-            !row || !*row || static_cast<std::uint64_t>(sums->integer(0)) != sum_)
+        const Result<bool> row = sums ? sums->step() : Result<bool>(sums.error());
+        if (!row)
+            return is_damaged(row.error());
+        if (!*row || static_cast<std::uint64_t>(sums->integer(0)) != sum_)
             return is_damaged(
-                fmt::format("the change of epoch {} is not what was written", change.epoch));
+                Error{fmt::format("the change of epoch {} is not what was written", change.epoch)});
         last = change;
     }
     hold(last);

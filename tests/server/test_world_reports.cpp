@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "protocol/messages.h"
 #include "sea/certificate/certificate.h"
+#include "sea/surface/steepest_sea.h"
 #include "sea/waves/probes.h"
 #include "server/process_metrics.h"
 #include "server/world_reports.h"
@@ -375,6 +377,27 @@ TEST(ProcessMetrics, leave_out_what_is_not_known) {
     const std::string known = process_metrics_text();
     EXPECT_NE(known.find("\nprocess_open_fds "), std::string::npos);
     EXPECT_NE(known.find("\nprocess_resident_memory_bytes "), std::string::npos);
+}
+
+// Naive: a server refuses slopes of a million, and a client mean squares of a thousand million.
+TEST(State, of_the_steepest_sea_that_is_run_is_one_that_a_client_takes) {
+    sea::Scene steep = some_sea().scene;
+    steep.accuracy.certificate = {};
+    steep.sea.systems.clear();
+    sea::ExplicitModes modes;
+    modes.length_m = 0.1;
+    modes.modes = {{300, 0, 60.0, 0.0}};
+    steep.sea.systems.emplace_back(modes);
+    steep.cascades = {{0.1, 1024}};
+    const auto sea = make_running_sea(steep, 1);
+    ASSERT_TRUE(sea) << sea.error().message;
+    EXPECT_GT((*sea)->budget.rms_slope, 0.7 * sea::told_slope_max);
+    const protocol::Bytes bytes = protocol::sea_state(sea_state_values(**sea, always, {}));
+    protocol::MessageReader reader(protocol::Sender::server);
+    const auto message = reader.read(bytes);
+    ASSERT_TRUE(message && *message);
+    const Result<void> taken = protocol::check(*(*message)->body_as_SeaState());
+    EXPECT_TRUE(taken) << taken.error().message;
 }
 
 } // namespace

@@ -77,8 +77,10 @@ Sky SkyFeed::at(const Look& look, const Heavens& heavens, const Eye& eye) {
         changed_.wait(lock, [&] { return made_ || none_; });
     else if (making_ || mailbox_)
         ++counts_.frames_meanwhile;
-    if (!now_ && !made_)
-        std::rethrow_exception(none_);
+    if (!now_ && !made_) {
+        asked_.reset(); // who asks again may find some
+        std::rethrow_exception(std::exchange(none_, nullptr));
+    }
     if (made_) {
         const bool near = now_ && may_be_mixed(*now_, *made_);
         before_ = near ? std::optional(shown()) : std::nullopt;

@@ -88,6 +88,11 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us)
         sines.add(1.0, loss_sigmas, as_rms(error.east_m()), as_rms(error.north_m()), true);
         sines.count(height_);
         height_.gradient.given_m2 += error.slope_variance();
+        for (const SineLine& line : sine_lines(field)) {
+            const double k2 = square(line.kx_radpm) + square(line.ky_radpm);
+            curvature_.add(line.variance_m2() * square(k2),
+                           std::sqrt(2.0 * line.variance_m2()) * k2, true);
+        }
         detail_m2_ += error.detail_m2();
         rate_detail_m2ps2_ += error.rate_detail_m2ps2();
     }

@@ -83,7 +83,7 @@ struct ErrorBudget {
     /// Of the divergence of D; in deep water rms_slope. At least folds_searched_above times the strain of
     /// all waves together whose phases were given.
     double rms_strain = 0;
-    double curvature_per_m = 0;      ///< of the surface at choppiness 0, at most: of modes
+    double curvature_per_m = 0;      ///< of the surface at choppiness 0, at most
     double displacement_reach_m = 0; ///< lambda |D| stays below this (six standard deviations)
     double bits_per_s = 0;           ///< what spending.h prices a second of this at
     Choppiness choppiness;
