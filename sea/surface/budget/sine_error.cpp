@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sea/surface/budget/interpolation_laws.h"
+
 namespace seaway::sea {
 
 namespace {
