@@ -5,9 +5,9 @@
 // (docs/protocol.md, "Changes of the sea"). Whoever has heard nothing for longer knows of no change, and cannot know that there
 // is none. What is added to error_m is derived for one assumption, which is all of it: that the sea changes at the first moment
 // at which it may have, in the shortest time that a change takes, to waves of as much energy that have nothing to do with
-// its own, which of a sea that fades are those of when it was heard of. Their difference has the variance 2 m0 s^2, s the share of the glide (sea/basics/glide.h); bound_sigmas
-// standard deviations of that, and as much on the slopes for displacements. Displacements themselves stay within their reach in both
-// seas: sqrt(2) s of it. Of a change to a higher sea neither is a bound.
+// its own, which of a sea that fades are those of when it was heard of. Their difference has the variance 2 m0 s^2, s the share
+// of the glide (sea/basics/glide.h); bound_sigmas standard deviations of that, and as much on the slopes for displacements.
+// Displacements themselves stay within their reach in both seas: sqrt(2) s of it. Of a change to a higher sea neither is a bound.
 //
 // Pure; thread-safe.
 #pragma once

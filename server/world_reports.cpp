@@ -55,7 +55,7 @@ ordered_json counters_json(const SimulationCounters& c) {
             {"device_seconds", c.synthesis.device_seconds}};
 }
 
-/// Null where the sea is steady.
+/// Both null where the sea is steady.
 ordered_json glide_begin_json(const protocol::SeaStateValues& state) {
     return state.glide && state.glide->realised ? to_json(*state.glide->realised)
                                                 : ordered_json(nullptr);
