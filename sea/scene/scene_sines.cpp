@@ -125,16 +125,17 @@ void refuse_short(TomlTable& table, const SineRamps& ramps) {
                                 noise ? " (noise)" : "", sine_steps(ramps) / (noise ? 4.0 : 1.0)));
 }
 
-void refuse_fast(TomlTable& table, const SineRamps& ramps, const SeaState& sea) {
+bool refuse_fast(TomlTable& table, const SineRamps& ramps, const SeaState& sea) {
     const double fastest = fastest_sine_radps(
         ramps, sea.seed, static_cast<std::uint32_t>(sea.systems.size()), sea.dispersion());
     if (fastest <= rate_omega_max_radps)
-        return;
+        return false;
     const auto [key, value] = blamed(table, "speed_ratio", ramps.speed_ratio);
     table.bad_value(
         key, value,
         fmt::format("waves whose fastest turns at most at {:g} rad/s; this one at {:.3g} rad/s",
                     rate_omega_max_radps, fastest));
+    return true;
 }
 
 void refuse_drag(TomlTable& table, const SineRamps& ramps, const SeaState& sea) {
@@ -174,11 +175,11 @@ SineRamps read_sines(TomlTable& table, const std::string& base_dir, const SeaSta
         for (const char* key : {"sharpness", "drag"})
             table.refuse(key, "only for shape = \"exponential\"");
     }
+    // Waves that are refused already are not looked at further: no number need hold them.
     if (!(sine_steps(ramps) <= sine_steps_max))
         refuse_short(table, ramps);
-    else
-        refuse_fast(table, ramps, sea);
-    refuse_drag(table, ramps, sea);
+    else if (!refuse_fast(table, ramps, sea))
+        refuse_drag(table, ramps, sea);
     return ramps;
 }
 

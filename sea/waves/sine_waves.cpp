@@ -118,7 +118,7 @@ std::vector<SineWave> sine_waves(const SineRamps& ramps, std::uint64_t seed, std
     std::vector<SineWave> waves;
     for (const Asked& asked : asked_waves(ramps, seed, system)) {
         const auto [nx, ny] = snapped(asked);
-        const double k = two_pi / ramps.length_m * std::sqrt(nx * nx + ny * ny);
+        const double k = two_pi / ramps.length_m * std::hypot(nx, ny);
         const double omega =
             asked.speed_mps > 0.0 ? asked.speed_mps * k : dispersion.omega(k) * asked.speed_ratio;
         waves.push_back({nx, ny, asked.amplitude_m, asked.phase_rad, omega});
