@@ -23,13 +23,14 @@ import tempfile
 import time
 
 from fleet_processes import Fleet
-from fleet_watcher import Watcher
+from fleet_watcher import Watcher, usual_gap_s
 
 CUT_S = 20
 WEATHER_EVERY_S = 10
 GAP_S_MAX = 2.0
 MOVING_GAP_S_MAX = 5.0
 GAP_OF_MOVING_MAX = 2.0  # where the same way to another server, with nothing broken, takes more than half of that: a crowded machine
+GAP_OF_USUAL_MAX = 5.0  # a way back waits for its turn at the client, at HAProxy, at the server, and again; likewise
 HANG_S_MAX = 15.0  # three checks of a second, and a client's way back on a crowded machine
 HEIGHTS_MIN = 10_000
 
@@ -184,7 +185,7 @@ class Proof:
                   (47, "kill", "c")]
         began = time.monotonic()
         weather_at = 0.0
-        while (now := time.monotonic() - began) < seconds:
+        while (now := time.monotonic() - began) < seconds or faults or self.revive:
             while faults and faults[0][0] <= now:
                 _, what, name = faults.pop(0)
                 self.do(what, name, now)
@@ -220,8 +221,11 @@ class Proof:
         gaps = [watcher.worst_gap_s(self.hung_until_s) for watcher in self.watchers]
         for watcher in self.watchers:
             watcher.stop()
+        # Faults make some thirty of thousands of gaps: what nearly all stay below is what the machine makes of 50 ms.
+        usual_s = usual_gap_s(self.watchers)
+        self.say("between two heights 99 of 100 times at most", f"{usual_s:.2f} s")
         self.say("longest time of each client between two heights, then", ", ".join(f"{gap:.2f}" for gap in gaps) + " s",
-                 max(gaps) <= max(GAP_S_MAX, GAP_OF_MOVING_MAX * self.moving_gap_s))
+                 max(gaps) <= max(GAP_S_MAX, GAP_OF_MOVING_MAX * self.moving_gap_s, GAP_OF_USUAL_MAX * usual_s))
         jump_m = max(watcher.jump_m() for watcher in self.watchers)
         self.say("step that comes nearest to what water and bounds allow", f"{-1e3 * jump_m:.1f} mm below", jump_m <= 0)
         sampled, unbound, beyond = comparison.against_truth(self.watchers)

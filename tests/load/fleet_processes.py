@@ -23,11 +23,15 @@ WORLD = "north-sea"
 TOKEN = "fleet-of-the-test"
 
 
+PORTS = list(range(12_000, 32_000))
+random.SystemRandom().shuffle(PORTS)
+
+
 def free_port():
-    """One that nobody listens on now, and that stays so until somebody is started on it, or started again: below those that the system
-    gives to who connects (from 32768), of which one may be the other end of a connection by then."""
+    """One that nobody listens on now, given once, and that stays free until somebody is started on it, or started again: below those that
+    the system gives to who connects (from 32768), of which one may be the other end of a connection by then."""
     while True:
-        port = random.SystemRandom().randrange(12_000, 32_000)
+        port = PORTS.pop()
         with socket.socket() as probe:
             try:
                 probe.bind(("127.0.0.1", port))

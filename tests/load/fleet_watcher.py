@@ -41,6 +41,10 @@ class Watcher:
         times = [row["came_s"] for row in self.rows] + [time.monotonic()]
         return max((b - a for a, b in zip(times, times[1:]) if b >= since_s), default=float("inf"))
 
+    def gaps_s(self):
+        times = [row["came_s"] for row in self.rows]
+        return [b - a for a, b in zip(times, times[1:])]
+
     def jump_m(self):
         """How much further a step of 0.1 s or less goes than the water can: speed and half a g, a glide, what both heights may miss."""
         worst = -1.0
@@ -51,3 +55,9 @@ class Watcher:
                 allowed = (speed + 2.45 * dt) * dt + a["error_m"] + b["error_m"]
                 worst = max(worst, abs(b["height_m"] - a["height_m"]) - allowed)
         return worst
+
+
+def usual_gap_s(watchers):
+    """What 99 of 100 times between two heights stay below, those of all clients together."""
+    gaps = sorted(gap for watcher in watchers for gap in watcher.gaps_s())
+    return gaps[len(gaps) * 99 // 100]
