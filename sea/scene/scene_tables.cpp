@@ -133,10 +133,12 @@ MeasuredSea read_measured(TomlTable& table, const std::string& base_dir) {
         refuse_ndbc_keys(table);
     }
     const std::string written = std::exchange(sea.csv, without_notes(sea.csv));
-    if (sea.csv.size() > scene_text_bytes_max)
+    if (sea.csv.size() > scene_text_bytes_max) {
         table.fail(data_key(table),
                    fmt::format("{}: a table has at most {} bytes without its notes", name,
                                scene_text_bytes_max));
+        return sea;
+    }
     CoefficientFrame frame = CoefficientFrame::from_clockwise_north;
     if (table.choice("coefficients", frame, frame_names))
         sea.coefficients = frame;

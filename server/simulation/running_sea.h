@@ -84,9 +84,14 @@ using RunningSeaPtr = std::shared_ptr<const RunningSea>;
 /// cannot be had; that its waves are beyond what a client takes is one.
 Result<RunningSeaPtr> make_running_sea(const sea::Scene& scene, std::uint32_t epoch);
 
-/// The same of a scene that is realised already, and possibly changed since, with this certificate. Reads no file.
+/// The same of a scene that is realised already, and possibly changed since, with this certificate. Reads no file, and refuses
+/// nothing: what is beyond what a client takes is told as the most that it takes.
 RunningSeaPtr make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
                                sea::RealizationPtr realization, sea::CertificatePtr certificate);
+
+/// Are the waves of this scene ones that a client takes? Those of winds and swells alone on usual grids are. Cost: of others, that
+/// of make_running_sea().
+Result<void> check_tellable(const sea::Scene& scene);
 
 /// From the waves of `from` at `start_us` to `to`, which is steady and has its own phases; the glide ends in
 /// glide->change.after(). Keyframes lie as densely as those of either. An error says why they cannot be joined.

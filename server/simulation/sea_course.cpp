@@ -93,6 +93,8 @@ Result<std::vector<SeaCourse::Change>> SeaCourse::timetable(const sea::Scene& sc
         const sea::Scene& before = rows.empty() ? scene : rows.back().scene;
         if (const Result<void> fine = check_next(before, scenes[i]); !fine)
             return Error{fmt::format("{}: {}", name_of(i), fine.error().message)};
+        if (const Result<void> fine = check_tellable(scenes[i]); !fine)
+            return Error{fmt::format("{}: {}", name_of(i), fine.error().message)};
         rows.push_back(
             {start_us, start_us + sea::us_from_seconds(row.over_s), std::move(scenes[i])});
     }

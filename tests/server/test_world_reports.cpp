@@ -386,18 +386,25 @@ TEST(State, of_the_steepest_sea_that_is_run_is_one_that_a_client_takes) {
     steep.sea.systems.clear();
     sea::ExplicitModes modes;
     modes.length_m = 0.1;
-    modes.modes = {{300, 0, 60.0, 0.0}};
+    modes.modes = {{300, 0, 15.0, 0.0}};
     steep.sea.systems.emplace_back(modes);
     steep.cascades = {{0.1, 1024}};
     const auto sea = make_running_sea(steep, 1);
     ASSERT_TRUE(sea) << sea.error().message;
-    EXPECT_GT((*sea)->budget.rms_slope, 0.7 * sea::told_slope_max);
-    const protocol::Bytes bytes = protocol::sea_state(sea_state_values(**sea, always, {}));
-    protocol::MessageReader reader(protocol::Sender::server);
-    const auto message = reader.read(bytes);
-    ASSERT_TRUE(message && *message);
-    const Result<void> taken = protocol::check(*(*message)->body_as_SeaState());
-    EXPECT_TRUE(taken) << taken.error().message;
+    EXPECT_GT((*sea)->budget.rms_slope, 0.7 * sea::steady_share_of_told * sea::told_slope_max);
+    std::get<sea::ExplicitModes>(steep.sea.systems[0]).modes = {{0, 300, 15.0, 0.0}};
+    const auto across = make_running_sea(steep, 3);
+    ASSERT_TRUE(across) << across.error().message;
+    const auto glide = make_glide(**sea, **across, 2, 100'000'000, 110'000'000);
+    ASSERT_TRUE(glide) << glide.error().message;
+    for (const RunningSea* one : {sea->get(), glide->get()}) {
+        const protocol::Bytes bytes = protocol::sea_state(sea_state_values(*one, always, {}));
+        protocol::MessageReader reader(protocol::Sender::server);
+        const auto message = reader.read(bytes);
+        ASSERT_TRUE(message && *message);
+        const Result<void> taken = protocol::check(*(*message)->body_as_SeaState());
+        EXPECT_TRUE(taken) << taken.error().message;
+    }
 }
 
 } // namespace

@@ -61,6 +61,7 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us)
     for (std::size_t i = 0; i < modes.h0.size(); ++i)
         if (modes.h0[i] != std::complex<double>{})
             omega_max_radps_ = std::max(omega_max_radps_, omega_from_rate(modes.rate[i]));
+    omega_fastest_radps_ = omega_max_radps_;
     const double dk = modes.spec.wavenumber_step_radpm();
     double reach = 0; ///< of lattice indices
     Missed missed[3];
@@ -84,6 +85,7 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us)
         follows_gain_ = follows_gain(compact_size_);
     for (const SineField& field : modes.sines) {
         const SineError& error = sines_.emplace_back(field, spacing_m_);
+        omega_fastest_radps_ = std::max(omega_fastest_radps_, error.omega_max_radps());
         Missed sines;
         sines.add(1.0, loss_sigmas, as_rms(error.east_m()), as_rms(error.north_m()), true);
         sines.count(height_);
@@ -168,7 +170,7 @@ CutWaves CascadeWaves::cut(int size) const {
 }
 
 bool CascadeWaves::told_by(TimeUs interval_us) const {
-    return omega_max_radps_ * seconds_from_us(interval_us) <= hermite_phase_max;
+    return omega_fastest_radps_ * seconds_from_us(interval_us) <= hermite_phase_max;
 }
 
 double CascadeWaves::time_rms(const Motion& motion, TimeUs interval_us) const {

@@ -129,7 +129,8 @@ class CascadeWaves {
     int compact_size_;
     double follows_gain_ = std::numeric_limits<double>::infinity();
     double spacing_m_;
-    double omega_max_radps_ = 0;
+    double omega_max_radps_ = 0; ///< of modes
+    double omega_fastest_radps_ = 0;
     Motion height_;
     Motion displacement_;
     Motion strain_;

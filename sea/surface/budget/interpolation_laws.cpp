@@ -54,7 +54,8 @@ double gliding_error(double u, double q) {
         const double odd = 4.0 * q * u * (first * u * u + q * q * third);
         worst = std::max(worst, std::hypot(steady + 2.0 * even / 384.0, 2.0 * odd / 384.0));
     }
-    return worst + end;
+    // Beyond what keyframes tell: the wave itself, the two values, and a quarter of the interval of rates, the glide's among them.
+    return std::min(worst + end, 2.0 + 0.25 * u + 0.25 * 2.0 * 15.0 / 8.0 * q);
 }
 
 double spline_error(double q) {

@@ -25,7 +25,7 @@ inline double square(double x) {
 double hermite_error(double u);
 /// The same of a wave that glides to another (sea/basics/glide.h) in 1/q intervals, as a share of the larger of both: Hermite's
 /// remainder of the product, to which each derivative of the glide (at most 15/8, 10/sqrt(3), 60 and 360) comes by Leibniz's rule,
-/// of the difference of the two waves, at most twice the larger.
+/// of the difference of the two waves, at most twice the larger; or, where it is less, what any two keyframes can miss at most.
 double gliding_error(double u, double q);
 inline constexpr double hermite_phase_max = 2.0 * std::numbers::pi;
 

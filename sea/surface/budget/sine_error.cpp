@@ -21,6 +21,8 @@ constexpr int steps_max = 16;
 constexpr double first_step = 0.25;
 constexpr double last_step = 0.01;
 constexpr double time_span_s = 1e4;
+/// One wave is missed most in the middle; harmonics that turn once in half an interval beside it.
+constexpr std::array shares_of_interval{0.25, 0.5, 0.75, 0.5};
 
 /// Half the nodes that the spline at the middle of a cell is summed over: what lies further weighs
 /// less than 3e-6.
@@ -71,11 +73,11 @@ SineError::SineError(const SineField& field, double spacing_m) : field_(field) {
     for (int i = 1; i <= sample_count; ++i)
         samples_.push_back({share(i, 0.8191725133961645) * field.length_m,
                             share(i, 0.6710436067037893) * field.length_m,
-                            us_from_seconds(share(i, 0.5497004779019703) * time_span_s)});
+                            us_from_seconds(share(i, 0.5497004779019703) * time_span_s),
+                            shares_of_interval[static_cast<std::size_t>(i % 4)]});
     const Quickest quickest = quickest_of(field);
     stride_m_ = 1.0 / quickest.wavenumber_radpm;
-    stride_s_ =
-        quickest.omega_radps > 0 ? 1.0 / quickest.omega_radps : 0.0; // noise may stand still
+    omega_max_radps_ = quickest.omega_radps; // noise may stand still
     for (const Sample& s : samples_) {
         const LagrangianPoint truth = sines_at(field, s.x_m, s.y_m, s.time_us);
         slope_variance_ += truth.slope_x * truth.slope_x + truth.slope_y * truth.slope_y;
@@ -113,15 +115,17 @@ double SineError::largest(const ErrorAt& error_at) const {
         double step = first_step;
         for (int n = 0; n < steps_max && step > last_step; ++n) {
             const double metres = step * stride_m_;
-            const TimeUs time_us = us_from_seconds(step * stride_s_);
+            const TimeUs time_us =
+                omega_max_radps_ > 0 ? us_from_seconds(step / omega_max_radps_) : 0;
             const Sample from = best.at;
             bool higher = false;
-            for (const Sample& next : {Sample{from.x_m - metres, from.y_m, from.time_us},
-                                       Sample{from.x_m + metres, from.y_m, from.time_us},
-                                       Sample{from.x_m, from.y_m - metres, from.time_us},
-                                       Sample{from.x_m, from.y_m + metres, from.time_us},
-                                       Sample{from.x_m, from.y_m, from.time_us - time_us},
-                                       Sample{from.x_m, from.y_m, from.time_us + time_us}})
+            const auto beside = [&](double dx_m, double dy_m, TimeUs later_us) {
+                return Sample{from.x_m + dx_m, from.y_m + dy_m, from.time_us + later_us,
+                              from.share};
+            };
+            for (const Sample& next :
+                 {beside(-metres, 0, 0), beside(metres, 0, 0), beside(0, -metres, 0),
+                  beside(0, metres, 0), beside(0, 0, -time_us), beside(0, 0, time_us)})
                 if (const double error_m = error_at(next); error_m > best.error_m) {
                     best = {error_m, next};
                     higher = true;
@@ -148,20 +152,25 @@ double SineError::spline_error_m(const Sample& s, double dx_m, double dy_m) cons
 
 double SineError::hermite_error_m(const Sample& s, TimeUs interval_us) const {
     const LagrangianPoint before = sines_at(field_, s.x_m, s.y_m, s.time_us);
-    const LagrangianPoint middle = sines_at(field_, s.x_m, s.y_m, s.time_us + interval_us / 2);
     const LagrangianPoint after = sines_at(field_, s.x_m, s.y_m, s.time_us + interval_us);
+    const auto between_us = static_cast<TimeUs>(s.share * static_cast<double>(interval_us));
+    const LagrangianPoint between = sines_at(field_, s.x_m, s.y_m, s.time_us + between_us);
+    const double x = static_cast<double>(between_us) / static_cast<double>(interval_us);
+    const double r = 1.0 - x;
     const double hermite_m =
-        0.5 * (before.height + after.height) +
-        0.125 * seconds_from_us(interval_us) * (before.height_rate - after.height_rate);
-    return std::abs(hermite_m - middle.height);
+        r * r * (1.0 + 2.0 * x) * before.height + x * x * (1.0 + 2.0 * r) * after.height +
+        seconds_from_us(interval_us) * x * r * (r * before.height_rate - x * after.height_rate);
+    return std::abs(hermite_m - between.height);
 }
 
 double SineError::time_m(TimeUs interval_us, TimeUs glide_us) const {
-    const double steady_m =
+    const double u = omega_max_radps_ * seconds_from_us(interval_us);
+    double steady_m =
         margin * largest([&](const Sample& s) { return hermite_error_m(s, interval_us); });
+    if (u > hermite_phase_max)
+        steady_m = std::max(steady_m, sine_height_max_m(field_) * hermite_error(u));
     if (glide_us <= 0)
         return steady_m;
-    const double u = stride_s_ > 0 ? seconds_from_us(interval_us) / stride_s_ : 0.0;
     const double q = static_cast<double>(interval_us) / static_cast<double>(glide_us);
     return steady_m + sine_height_max_m(field_) * (gliding_error(u, q) - hermite_error(u));
 }

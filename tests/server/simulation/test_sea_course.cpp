@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sea/scene/weather.h"
+#include "sea/surface/steepest_sea.h"
 #include "server/simulation/fetched_seas.h"
 #include "server/simulation/sea_course.h"
 #include "tests/server/simulation/simulation_bench.h"
@@ -199,19 +200,65 @@ TEST(SeaCourse, what_cannot_change_while_a_sea_runs_is_refused_by_name_and_chang
     EXPECT_EQ(course->epochs(), 1u);
 }
 
-// Naive: it is run, told and journalled, and no client takes what it is told.
-TEST(SeaCourse, a_sea_that_no_client_takes_is_refused_by_name) {
+/// Slopes of 1.3e6 at 100 m.
+sea::Scene steep_scene(double amplitude_m) {
     sea::Scene steep = scene_of();
     steep.sea.systems.clear();
     sea::ExplicitModes modes;
     modes.length_m = 0.1;
-    modes.modes = {{300, 0, 100.0, 0.0}};
+    modes.modes = {{300, 0, amplitude_m, 0.0}};
     steep.sea.systems.emplace_back(modes);
     steep.cascades = {{0.1, 1024}};
-    const auto refused = make_running_sea(steep, 1);
+    return steep;
+}
+
+// Naive: it is run, told and journalled, and no client takes what it is told.
+TEST(SeaCourse, a_sea_that_no_client_takes_is_refused_by_name) {
+    const auto refused = make_running_sea(steep_scene(100), 1);
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("rms slope = "), std::string::npos)
         << refused.error().message;
+}
+
+// Naive: the scene is fine, and the server ends when it comes to the row, or, with a journal, each time that it is started.
+TEST(SeaCourse, a_row_of_the_weather_that_no_client_takes_is_refused_by_name) {
+    sea::Scene scene = steep_scene(10);
+    scene.weather = {{.at_s = 100, .over_s = 30, .set = {{"sea.height_scale", "10.0"}}}};
+    const auto refused = SeaCourse::begin(scene);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("weather[1]: its waves are too steep for tiles"),
+              std::string::npos)
+        << refused.error().message;
+}
+
+// Naive: between two seas that are as steep as can be waves are as steep as both together, and the glide cannot be told.
+TEST(SeaCourse, every_glide_between_two_seas_that_run_can_be_told) {
+    const auto run = [](double amplitude_m) {
+        return make_running_sea(steep_scene(amplitude_m), 1).has_value();
+    };
+    double most_m = 1, refused_m = 100;
+    while (refused_m > 1.001 * most_m) {
+        const double middle_m = std::sqrt(most_m * refused_m);
+        (run(middle_m) ? most_m : refused_m) = middle_m;
+    }
+    const auto course = *SeaCourse::begin(steep_scene(most_m));
+    sea::Scene across = steep_scene(most_m);
+    std::get<sea::ExplicitModes>(across.sea.systems[0]).modes = {{0, 300, most_m, 0.0}};
+    ASSERT_TRUE(course->add(across, 100 * second_us, 110 * second_us));
+    const sea::ErrorBudget& glide = course->sea(2)->budget;
+    EXPECT_GT(glide.rms_slope, 1.4 * course->sea(1)->budget.rms_slope);
+    EXPECT_LT(glide.rms_slope, sea::told_slope_max);
+    EXPECT_LT(glide.curvature_per_m, sea::told_curvature_per_m_max);
+    EXPECT_LT(glide.interpolation_m, sea::told_error_m_max);
+    EXPECT_LT(glide.rms_strain, sea::told_sideways_max);
+}
+
+// Naive: a log that another version wrote ends the server each time that it is started.
+TEST(SeaCourse, what_a_log_holds_runs_however_steep_it_is) {
+    const auto course = *SeaCourse::begin(steep_scene(1));
+    ASSERT_TRUE(course->add(steep_scene(100), 100 * second_us, 110 * second_us));
+    for (const std::uint32_t epoch : {2u, 3u})
+        EXPECT_EQ(course->sea(epoch)->budget.rms_slope, sea::told_slope_max);
 }
 
 // Of a change between two equally high seas of other directions the envelope is as high as both together.

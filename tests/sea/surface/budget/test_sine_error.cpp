@@ -155,5 +155,61 @@ TEST(SineError, the_largest_error_between_keyframes_is_found_where_none_of_its_p
         }
 }
 
+/// One wave of 10 m that turns once a second.
+SineField once_a_second(SineKind kind, double sharpness) {
+    SineRamps ramps;
+    ramps.kind = kind;
+    ramps.length_m = 100.0;
+    ramps.sharpness = sharpness;
+    ramps.by_hand = {{10.0, 1.0, 0.0, 0.3, 10.0}};
+    return sine_field(ramps, 1, 0, Dispersion{}, 1.0, 0);
+}
+
+/// At any time between two keyframes.
+double largest_between_m(const SineField& field, TimeUs interval_us) {
+    double largest_m = 0;
+    for (TimeUs first_us = 0; first_us < 1'000'000; first_us += 7'919) {
+        const LagrangianPoint a = sines_at(field, 3, 4, first_us),
+                              b = sines_at(field, 3, 4, first_us + interval_us);
+        for (int n = 1; n < 64; ++n) {
+            const double x = n / 64.0, r = 1.0 - x;
+            const double hermite_m =
+                r * r * (1 + 2 * x) * a.height + x * x * (1 + 2 * r) * b.height +
+                seconds_from_us(interval_us) * x * r * (r * a.height_rate - x * b.height_rate);
+            const auto later_us = static_cast<TimeUs>(x * static_cast<double>(interval_us));
+            largest_m = std::max(
+                largest_m, std::abs(hermite_m - sines_at(field, 3, 4, first_us + later_us).height));
+        }
+    }
+    return largest_m;
+}
+
+// Naive: in the middle of two keyframes that are two turns apart the wave stands as at both, and nothing seems to be missed.
+TEST(SineError, keyframes_whole_turns_apart_tell_nothing_of_a_wave) {
+    for (const SineKind kind : {SineKind::sine, SineKind::exponential})
+        for (const TimeUs interval_us : {1'000'000, 2'000'000, 4'000'000}) {
+            const SineField field = once_a_second(kind, 2.0);
+            EXPECT_GE(SineError(field, 1.0).time_m(interval_us),
+                      largest_between_m(field, interval_us))
+                << interval_us;
+        }
+    CascadeModes modes = tests::calm_cascade(100.0, 128);
+    modes.sines.push_back(once_a_second(SineKind::sine, 1.0));
+    const ErrorBudget budget = plan_budget(*tests::make_sea({modes}), 0.01);
+    EXPECT_LT(budget.cascades[0].interval_us, 1'000'000);
+    EXPECT_LT(budget.cascades[0].interval_us * budget.cascades[0].every_max, 1'000'001);
+}
+
+// Naive: the harmonics of a sharp wave are missed most in the middle of an interval, as the wave itself.
+TEST(SineError, harmonics_that_turn_once_in_half_an_interval_are_counted) {
+    for (const double sharpness : {1.0, 3.0, 10.0})
+        for (const TimeUs interval_us : {250'000, 500'000, 640'000, 800'000, 1'000'000}) {
+            const SineField field = once_a_second(SineKind::exponential, sharpness);
+            EXPECT_GE(SineError(field, 1.0).time_m(interval_us),
+                      largest_between_m(field, interval_us))
+                << sharpness << " " << interval_us;
+        }
+}
+
 } // namespace
 } // namespace seaway::sea
