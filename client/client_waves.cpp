@@ -4,9 +4,11 @@
 #include <iterator>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "base/thread_time.h"
 #include "client/client.h"
+#include "client/wave_room.h"
 #include "sea/waves/spectrum_builder.h"
 
 namespace seaway::client {
@@ -31,10 +33,6 @@ bool Client::has_waves_held(std::uint32_t epoch) const {
 
 namespace {
 
-/// Points of all tiles whose waves are held, each of 24 bytes: as many as of a few of the largest seas there may be. Those
-/// furthest from now go first.
-constexpr std::size_t wave_points_max = protocol::limits::spectra_max * sea::spectrum_modes_max;
-
 std::size_t points_of(const SeaState& state) {
     std::size_t points = 0;
     for (const protocol::CascadeInfo& cascade : state.cascades)
@@ -50,17 +48,10 @@ bool has_ended_by(const SeaState& glide, TimeUs time_us) {
 } // namespace
 
 void Client::make_room_for_waves(const SeaState& next) {
-    const auto held = [&] {
-        std::size_t points = points_of(next);
-        for (const auto* spectra : {&received_, &arriving_})
-            for (const auto& [epoch, spectrum] : *spectra)
-                points += points_of(*spectrum->state());
-        return points;
-    };
     // From its beginning to that of the next; 0: it runs.
-    const auto away_us = [&](const auto& spectrum) {
+    const auto away_us = [&](std::uint32_t epoch) {
         const auto state =
-            std::ranges::find(sea_states_, spectrum.first, &SeaState::epoch); // by their beginning
+            std::ranges::find(sea_states_, epoch, &SeaState::epoch); // by their beginning
         if (state == sea_states_.end())
             return std::numeric_limits<double>::infinity();
         const auto now_us = static_cast<double>(heard_us_);
@@ -70,8 +61,15 @@ void Client::make_room_for_waves(const SeaState& next) {
             after == sea_states_.end() ? 0 : now_us - static_cast<double>((*after)->start_time_us);
         return std::max({to_come_us, over_us, 0.0});
     };
-    while (!received_.empty() && held() > wave_points_max) {
-        const std::uint32_t epoch = std::ranges::max_element(received_, {}, away_us)->first;
+    std::vector<WavesHeld> held;
+    for (const auto& [epoch, spectrum] : received_)
+        held.push_back({epoch, points_of(*spectrum->state()), away_us(epoch)});
+    std::size_t beside = points_of(next);
+    for (const auto& [epoch, spectrum] : arriving_) {
+        const auto with = std::ranges::find(held, epoch, &WavesHeld::epoch);
+        (with == held.end() ? beside : with->points) += points_of(*spectrum->state());
+    }
+    for (const std::uint32_t epoch : waves_to_let_go(std::move(held), beside)) {
         auto rebuilt = rebuilt_.extract(epoch); // which needs none of them
         forget_waves(epoch);
         if (rebuilt)

@@ -11,12 +11,14 @@
 #endif
 
 #include "base/messages.h"
+#include "base/stop_wanted.h"
 #include "base/text_file.h"
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "client/view/bench.h"
 #include "client/view/camera_path.h"
 #include "client/view/debug/contact_sheet.h"
+#include "client/view/film_file.h"
 #include "client/view/frame_writer.h"
 #include "client/view/look_file.h"
 #include "client/view/renderer.h"
@@ -50,7 +52,7 @@ Result<std::string> read_token(const std::string& path) {
 }
 
 Result<CameraPath> camera_path(const ViewOptions& options) {
-    const double duration_s = sea::seconds_from_us(frame_offset_us(options.frames));
+    const double duration_s = options.rate.offset_s(options.frames);
     if (options.turntable)
         return CameraPath::turntable(options.camera, duration_s);
     if (options.path.empty())
@@ -68,10 +70,11 @@ class Drawing {
 
     FrameWriter& writer() { return writer_; }
 
-    /// 0, or the code to exit with.
+    /// The i-th of those that are asked for. 0, or the code to exit with.
     int draw(const DebugMoment& moment, const Camera& camera, int i) {
+        const int number = options_.frame(i);
         if (options_.sheet)
-            return draw_sheet(moment, camera, i);
+            return draw_sheet(moment, camera, number);
         if (const Result<void> fits =
                 check_debug(options_.debug, moment.frame, renderer_.options());
             !fits)
@@ -85,15 +88,28 @@ class Drawing {
             exposure_ =
                 exposure_of(options_.look, metered_exposure(*picture, moment.sky.white_radiance()));
         if (!writer_.shows())
-            return written(writer_.write(*picture, i), moment);
+            return written(writer_.write(*picture, number, notes(moment)), moment);
         const Result<ShownPicture> shown =
             pictures_.develop(renderer_, *picture, moment, options_.debug, exposure_);
-        return shown ? written(writer_.write(*shown, i), moment)
+        return shown ? written(writer_.write(*shown, number), moment, metered())
                      : fail(ViewExit::no_device, shown.error());
     }
 
   private:
-    int draw_sheet(const DebugMoment& moment, const Camera& camera, int i) {
+    PictureNotes notes(const DebugMoment& moment) const {
+        const bool lit = options_.debug.view == DebugView::final;
+        return {.debug = lit ? "" : debug_text(options_.debug), .time_us = moment.frame.time_us};
+    }
+
+    /// What a piece of the same film is drawn with, to be exposed alike; empty: that is given.
+    std::string metered() const {
+        return options_.debug.view == DebugView::final &&
+                       options_.look.exposure.by == Exposure::By::meter
+                   ? fmt::format(" --exposure {}", exposure_)
+                   : "";
+    }
+
+    int draw_sheet(const DebugMoment& moment, const Camera& camera, int number) {
         if (!sheet_) {
             Result<ContactSheet> made = ContactSheet::create(
                 device_, options_.camera.width, options_.camera.height,
@@ -103,15 +119,16 @@ class Drawing {
             sheet_.emplace(std::move(*made));
         }
         const Result<ShownPicture> shown = sheet_->draw(moment, camera, options_.look);
-        return shown ? written(writer_.write(*shown, i), moment)
+        return shown ? written(writer_.write(*shown, number), moment)
                      : fail(ViewExit::no_device, shown.error());
     }
 
-    static int written(const Result<std::string>& path, const DebugMoment& moment) {
+    static int written(const Result<std::string>& path, const DebugMoment& moment,
+                       const std::string& exposure = "") {
         if (!path)
             return fail(ViewExit::cannot_write, path.error());
-        const std::string line =
-            fmt::format("{} t={:.3f}\n", *path, sea::seconds_from_us(moment.frame.time_us));
+        const std::string line = fmt::format("{} t={:.3f}{}\n", *path,
+                                             sea::seconds_from_us(moment.frame.time_us), exposure);
         const Result<void> told = write_out(stdout, line);
         return told ? 0 : fail(ViewExit::cannot_write, told.error());
     }
@@ -131,8 +148,15 @@ int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewO
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : source.now_us();
     Drawing drawing(device, renderer, options);
+    if (is_film(options.out)) // its part is removed
+        note_stop_signals();
     for (int i = 0; i < options.frames; ++i) {
-        const sea::TimeUs time_us = start_us + frame_offset_us(i);
+        if (stop_wanted())
+            return fail(ViewExit::cannot_write,
+                        {fmt::format("stopped by a signal: after {} of {} frames {} is given up", i,
+                                     options.frames, options.out)});
+        const sea::TimeUs offset_us = options.rate.offset_us(options.frame(i));
+        const sea::TimeUs time_us = start_us + offset_us;
         Result<SeaFrame> frame = source.at(time_us);
         if (!frame)
             return fail(frame.error());
@@ -140,7 +164,7 @@ int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewO
         const std::string scene = source.scene_at(time_us);
         if (i == 0) // frames are drawn slower than the sea moves
             source.leave_now();
-        const Camera camera = path.at(sea::seconds_from_us(frame_offset_us(i)));
+        const Camera camera = path.at(sea::seconds_from_us(offset_us));
         const Result<Sky> sky = sky_of_frame(skies, options.look, camera, time_us);
         if (!sky)
             return fail(ViewExit::usage, sky.error());
@@ -234,7 +258,10 @@ int run(const ViewOptions& options) {
     if (!options.look.environment.empty()) // before a window opens
         if (const auto picture = read_environment(options.look.environment); !picture)
             return fail(ViewExit::usage, picture.error());
-    return options.scene.empty() ? run_streamed(options) : run_local(options);
+    const int code = options.scene.empty() ? run_streamed(options) : run_local(options);
+    if (code != static_cast<int>(ViewExit::done) && stop_wanted())
+        end_by_stop_signal();
+    return code;
 }
 
 /// Keyframes, blocks of megabytes, come and go: left to itself glibc takes them from heaps that keep what has gone.

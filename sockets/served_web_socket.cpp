@@ -9,6 +9,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/websocket.hpp>
+#include <fmt/format.h>
 
 #include "sockets/frame_header.h"
 #include "sockets/upgrade.h"
@@ -41,6 +42,7 @@ struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
     void not_understood(const Error& why, const Read& done);
     void send(std::vector<std::uint8_t> frame, std::function<void()> sent = nullptr);
     void send_pong(std::span<const std::uint8_t> payload);
+    void give_up(WebSocketEnd why);
     Error broken(error_code error) const;
 
     const WebSocketOptions options;
@@ -56,13 +58,16 @@ struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
     Clock::time_point heard = Clock::now();
     bool pinged = false; ///< since then
     bool receiving = false;
-    bool silent = false;
+    std::optional<WebSocketEnd> given_up;
     bool closing = false; ///< a closing frame has been sent
     bool leaving = false;
     CloseReason peer_close;
     CloseReason last_word;                              ///< ours, of leave()
     std::optional<std::vector<std::uint8_t>> next_pong; ///< behind the one that is under way
-    bool pong_under_way = false;
+    std::weak_ptr<Read>
+        behind_pong; ///< of the pong that is under way; waits where there is a next one
+    std::size_t frames_under_way = 0;     ///< of our own: pings, pongs and the last word
+    Clock::time_point taken = {};         ///< one of them, or when the first one was begun
     std::vector<FrameHeader> headers;     ///< of what is being written
     std::vector<asio::const_buffer> rest; ///< of what was begun
 };
@@ -110,17 +115,31 @@ void ServedWebSocket::Impl::on_quiet() {
     // Nor did a process that stood still, or its machine, who knows since when: the peer is asked anew.
     if (Clock::now() - timer.expiry() > options.idle_patience / 4) {
         heard = std::max(heard, Clock::now() - options.idle_patience / 2);
+        taken = std::max(taken, Clock::now() - options.idle_patience / 2);
         pinged = false;
     }
+    if (frames_under_way > 0 && Clock::now() - taken >= options.idle_patience)
+        return give_up(WebSocketEnd::unread);
     const auto quiet = Clock::now() - heard;
-    if (quiet >= options.idle_patience) {
-        silent = true;
-        return socket.stop_receiving();
-    }
+    if (quiet >= options.idle_patience)
+        return give_up(WebSocketEnd::silent);
     const bool ask = quiet >= options.idle_patience / 2 && !std::exchange(pinged, true);
     watch_silence(); // first: for a ping there may be no memory
     if (ask)
         send(control_frame(FrameReader::Kind::ping, {}));
+}
+
+/// Whoever reads is told; where nobody does, messages are stuck as well, of which their sender keeps the time.
+void ServedWebSocket::Impl::give_up(WebSocketEnd why) {
+    given_up = why;
+    if (receiving)
+        return socket.stop_receiving();
+    watch_silence();
+    const std::shared_ptr<Read> waits = behind_pong.lock();
+    if (waits == nullptr || !*waits)
+        return;
+    const Read done = std::exchange(*waits, nullptr);
+    done(broken({}));
 }
 
 // ---- reading -------------------------------------------------------------------------------
@@ -139,7 +158,12 @@ void ServedWebSocket::read(Read done) {
     });
 }
 
+/// From who leaves our answers lying nothing more is received: of pings, answers are all that he is sent.
 void ServedWebSocket::Impl::receive(Read done) {
+    if (const std::shared_ptr<Read> waits = behind_pong.lock(); waits != nullptr && next_pong) {
+        *waits = std::move(done);
+        return;
+    }
     const std::uint64_t begun = frames.frames_begun();
     unpaid += received_frame_bytes * (begun - std::exchange(frames_paid, begun));
     const auto wait =
@@ -172,8 +196,11 @@ void ServedWebSocket::Impl::on_received(error_code error, std::span<const std::u
 }
 
 Error ServedWebSocket::Impl::broken(error_code error) const {
-    if (silent)
-        return {WebSocketEnd::silent, "nothing was heard"};
+    if (given_up == WebSocketEnd::silent)
+        return {*given_up, "nothing was heard"};
+    if (given_up)
+        return {*given_up, fmt::format("pings and pongs could not be sent within {} ms",
+                                       options.idle_patience.count())};
     return {WebSocketEnd::broken, error.message()};
 }
 
@@ -247,10 +274,17 @@ void ServedWebSocket::leave(std::function<void()> done) {
 void ServedWebSocket::Impl::send(std::vector<std::uint8_t> frame, std::function<void()> sent) {
     const auto held = std::make_shared<const std::vector<std::uint8_t>>(std::move(frame));
     socket.write_all({asio::buffer(*held)},
-                     Socket::Bytes([held, sent = std::move(sent)](error_code, std::size_t) mutable {
+                     Socket::Bytes([weak = weak_from_this(), held,
+                                    sent = std::move(sent)](error_code, std::size_t) mutable {
+                         if (const std::shared_ptr<Impl> self = weak.lock()) {
+                             --self->frames_under_way;
+                             self->taken = Clock::now();
+                         }
                          if (sent)
                              sent();
                      }));
+    if (frames_under_way++ == 0)
+        taken = Clock::now();
 }
 
 /// One at a time; of pings that come meanwhile the last one is answered (RFC 6455, 5.5.3).
@@ -258,17 +292,22 @@ void ServedWebSocket::Impl::send_pong(std::span<const std::uint8_t> payload) {
     std::vector<std::uint8_t> frame = control_frame(FrameReader::Kind::pong, payload);
     if (closing)
         return;
-    if (std::exchange(pong_under_way, true)) {
+    if (!behind_pong.expired()) {
         next_pong = std::move(frame);
         return;
     }
-    send(std::move(frame), [weak = weak_from_this()] {
+    auto waits = std::make_shared<Read>();
+    behind_pong = waits;
+    send(std::move(frame), [weak = weak_from_this(), waits = std::move(waits)]() mutable {
+        const Read reads = std::exchange(*waits, nullptr);
+        waits.reset();
         const std::shared_ptr<Impl> self = weak.lock();
         if (self == nullptr)
             return;
-        self->pong_under_way = false;
         if (const auto next = std::exchange(self->next_pong, {}))
             self->send_pong(std::span(*next).subspan(2));
+        if (reads)
+            self->receive(reads);
     });
 }
 

@@ -15,10 +15,10 @@
 #include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 #include <boost/beast/websocket/teardown.hpp>
-#include <fcntl.h>
 #include <sys/sendfile.h>
 
 #include "base/check.h"
+#include "sockets/connecting.h"
 #include "sockets/ready_set.h"
 
 namespace seaway::sockets {
@@ -26,12 +26,21 @@ namespace seaway::sockets {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 
-/// One of both.
+/// One of both. What is under way refers to it, also when the Socket has gone: TLS's operations keep references to the
+/// stream, and those of sequences of buffers do of either. So every handler holds it (kept_until), and a Socket that goes
+/// closes it, by which they all end.
 struct Socket::Streams : std::enable_shared_from_this<Streams> {
     std::optional<beast::tcp_stream> plain;
     std::optional<beast::ssl_stream<beast::tcp_stream>> tls;
 
     beast::tcp_stream& tcp() { return tls ? tls->next_layer() : *plain; }
+
+    template <class Handler>
+    auto kept_until(Handler done) {
+        return [self = shared_from_this(), done = std::move(done)](auto... values) mutable {
+            done(values...);
+        };
+    }
 
     struct Write {
         std::vector<asio::const_buffer> buffers;
@@ -49,15 +58,15 @@ struct Socket::Streams : std::enable_shared_from_this<Streams> {
     }
     void begin(const std::shared_ptr<Writes>& all, Write write) {
         const std::vector<asio::const_buffer> buffers = std::move(write.buffers);
-        auto on_written = [weak = weak_from_this(), waiting = std::shared_ptr<Writes>(all),
+        auto on_written = [self = shared_from_this(), waiting = std::shared_ptr<Writes>(all),
                            done = std::move(write.done)](error_code error,
                                                          std::size_t bytes) mutable {
-            const std::shared_ptr<Streams> self = weak.lock();
-            if (self != nullptr && !waiting->empty()) {
-                Write next = std::move(waiting->front());
-                waiting->pop_front();
-                self->begin(waiting, std::move(next));
+            if (!self->tcp().socket().is_open()) {
+                done(error, bytes);
+                return end(*waiting);
             }
+            if (!waiting->empty())
+                self->begin(waiting, take_first(*waiting));
             waiting.reset();
             done(error, bytes);
         };
@@ -66,6 +75,16 @@ struct Socket::Streams : std::enable_shared_from_this<Streams> {
         else
             asio::async_write(*plain, buffers, std::move(on_written));
     }
+    static Write take_first(Writes& waiting) {
+        Write first = std::move(waiting.front());
+        waiting.pop_front();
+        return first;
+    }
+    /// Of a closed socket: none of them is begun any more.
+    static void end(Writes& waiting) {
+        while (!waiting.empty())
+            take_first(waiting).done(asio::error::operation_aborted, 0);
+    }
 
     void receive(Received done);
     void stop_receiving();
@@ -73,6 +92,8 @@ struct Socket::Streams : std::enable_shared_from_this<Streams> {
     void say_later(Received done, error_code error);
     ~Streams() { stop_receiving(); }
 
+    std::optional<Connecting::Clock::time_point> expiry; ///< as tcp() has it
+    std::weak_ptr<Connecting> connecting;
     bool whole = false;
     std::weak_ptr<Writes> writes;
     ReadySet* ready = nullptr; ///< of a plain one that receives
@@ -86,12 +107,11 @@ constexpr std::size_t tls_received_bytes = 4 * 1024;
 void Socket::Streams::receive(Received done) {
     if (tls) {
         received.resize(tls_received_bytes);
-        tls->async_read_some(
-            asio::buffer(received),
-            [weak = weak_from_this(), done = std::move(done)](error_code error, std::size_t bytes) {
-                if (const std::shared_ptr<Streams> self = weak.lock())
-                    done(error, {self->received.data(), error ? 0 : bytes});
-            });
+        tls->async_read_some(asio::buffer(received),
+                             [self = shared_from_this(),
+                              done = std::move(done)](error_code error, std::size_t bytes) {
+                                 done(error, {self->received.data(), error ? 0 : bytes});
+                             });
         return;
     }
     if (!plain->socket().is_open())
@@ -143,7 +163,9 @@ Socket::Socket(asio::ip::tcp::socket socket, asio::ssl::context& tls)
     }
 }
 
-Socket::~Socket() = default;
+Socket::~Socket() {
+    close();
+}
 Socket::Socket(Socket&&) noexcept = default;
 
 Socket::executor_type Socket::get_executor() {
@@ -154,36 +176,22 @@ bool Socket::has_tls() const {
     return streams_->tls.has_value();
 }
 
-void Socket::connect(const asio::ip::tcp::resolver::results_type& endpoints, Done done) {
-    connect_one_of(streams_, endpoints, endpoints.begin(), asio::error::host_not_found,
-                   std::move(done));
-}
-
-/// Asio would open the socket itself, and a program that is started meanwhile would get it.
-void Socket::connect_one_of(const std::shared_ptr<Streams>& streams, const Endpoints& endpoints,
-                            Endpoints::const_iterator next, error_code before, Done done) {
-    auto& tcp = streams->tcp();
-    error_code problem = before;
-    for (; next != endpoints.end(); ++next) {
-        error_code ignored; // of one that was never open
-        tcp.socket().close(ignored);
-        tcp.socket().open(next->endpoint().protocol(), problem);
-        if (!problem)
-            break;
-    }
-    if (next == endpoints.end())
-        return asio::post(tcp.get_executor(), [problem, done = std::move(done)] { done(problem); });
-    ::fcntl(tcp.socket().native_handle(), F_SETFD, FD_CLOEXEC);
-    tcp.async_connect(next->endpoint(), [streams, endpoints, next,
-                                         done = std::move(done)](error_code error) mutable {
-        if (!error || error == asio::error::operation_aborted || error == beast::error::timeout)
-            return done(error);
-        connect_one_of(streams, endpoints, std::next(next), error, std::move(done));
-    });
+void Socket::connect(const Endpoints& endpoints, Done done) {
+    const auto connecting = std::make_shared<Connecting>(
+        get_executor(), endpoints,
+        [streams = streams_,
+         done = std::move(done)](error_code error, std::optional<asio::ip::tcp::socket> connected) {
+            if (connected)
+                streams->tcp().socket() = *std::move(connected);
+            done(error);
+        });
+    streams_->connecting = connecting;
+    connecting->begin(streams_->expiry);
 }
 
 void Socket::accept_tls(Done done) {
-    streams_->tls->async_handshake(asio::ssl::stream_base::server, std::move(done));
+    streams_->tls->async_handshake(asio::ssl::stream_base::server,
+                                   streams_->kept_until(std::move(done)));
 }
 
 void Socket::connect_tls(const std::string& host, Done done) {
@@ -200,14 +208,16 @@ void Socket::connect_tls(const std::string& host, Done done) {
         });
     tls.set_verify_mode(asio::ssl::verify_peer);
     tls.set_verify_callback(asio::ssl::host_name_verification(host));
-    tls.async_handshake(asio::ssl::stream_base::client, std::move(done));
+    tls.async_handshake(asio::ssl::stream_base::client, streams_->kept_until(std::move(done)));
 }
 
 void Socket::expires_after(std::chrono::milliseconds patience) {
+    streams_->expiry = Connecting::Clock::now() + patience;
     streams_->tcp().expires_after(patience);
 }
 
 void Socket::expires_never() {
+    streams_->expiry.reset();
     streams_->tcp().expires_never();
 }
 
@@ -235,6 +245,8 @@ void Socket::close() {
     if (streams_ == nullptr)
         return; // given away
     streams_->stop_receiving();
+    if (const auto connecting = streams_->connecting.lock())
+        connecting->give_up();
     streams_->tcp().close();
 }
 
@@ -249,9 +261,9 @@ void Socket::stop_receiving() {
 
 void Socket::read_some(FewBuffers<asio::mutable_buffer> buffers, Bytes done) {
     if (streams_->tls)
-        streams_->tls->async_read_some(buffers, std::move(done));
+        streams_->tls->async_read_some(buffers, streams_->kept_until(std::move(done)));
     else
-        streams_->plain->async_read_some(buffers, std::move(done));
+        streams_->plain->async_read_some(buffers, streams_->kept_until(std::move(done)));
 }
 
 void Socket::write_whole() {
@@ -288,9 +300,9 @@ std::size_t Socket::write_now(const std::vector<asio::const_buffer>& buffers) {
 
 void Socket::write_some(FewBuffers<asio::const_buffer> buffers, Bytes done) {
     if (streams_->tls)
-        streams_->tls->async_write_some(buffers, std::move(done));
+        streams_->tls->async_write_some(buffers, streams_->kept_until(std::move(done)));
     else
-        streams_->plain->async_write_some(buffers, std::move(done));
+        streams_->plain->async_write_some(buffers, streams_->kept_until(std::move(done)));
 }
 
 // ---- the end -------------------------------------------------------------------------------
@@ -334,9 +346,9 @@ void Socket::part(std::chrono::milliseconds patience, std::function<void()> gone
 void Socket::tear_down(beast::role_type role, Completion<error_code> done) {
     using beast::websocket::async_teardown;
     if (streams_->tls)
-        async_teardown(role, *streams_->tls, std::move(done));
+        async_teardown(role, *streams_->tls, streams_->kept_until(std::move(done)));
     else
-        async_teardown(role, *streams_->plain, std::move(done));
+        async_teardown(role, *streams_->plain, streams_->kept_until(std::move(done)));
 }
 
 } // namespace seaway::sockets

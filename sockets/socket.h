@@ -72,6 +72,7 @@ class Socket {
     explicit Socket(boost::asio::ip::tcp::socket socket);
     /// The same for TLS; `tls` outlives it.
     Socket(boost::asio::ip::tcp::socket socket, boost::asio::ssl::context& tls);
+    /// Closes it.
     ~Socket();
     Socket(Socket&&) noexcept;
     Socket& operator=(Socket&&) = delete;
@@ -80,8 +81,9 @@ class Socket {
     bool has_tls() const;
 
     using Endpoints = boost::asio::ip::tcp::resolver::results_type;
-    /// To the first of them that answers. Programs that this one starts do not get it: they would keep the connection
-    /// after this one has ended.
+    /// To the first of them that answers: each is tried when those before it have failed, or the one before has said nothing
+    /// for Connecting::head_start. As long as all of them have is what expires_after() has said before. Programs that this one
+    /// starts do not get it: they would keep the connection after this one has ended.
     void connect(const Endpoints& endpoints, Done done);
     /// The server's part of the TLS handshake; only where has_tls().
     void accept_tls(Done done);
@@ -151,9 +153,7 @@ class Socket {
 
     struct Streams;
     struct Parting;
-    static void connect_one_of(const std::shared_ptr<Streams>& streams, const Endpoints& endpoints,
-                               Endpoints::const_iterator next, error_code before, Done done);
-    std::shared_ptr<Streams> streams_; ///< of this one alone
+    std::shared_ptr<Streams> streams_; ///< of this one, and of what is under way
 };
 
 } // namespace seaway::sockets

@@ -2,6 +2,9 @@
 #include "sockets/web_socket.h"
 
 #include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -48,6 +51,16 @@ bool stays_declined(unsigned http_status) {
     return http_status == 400 || http_status == 401 || http_status == 403 || http_status == 426;
 }
 
+/// "Retry-After: 3" in seconds. 0: it does not say so, or names a date, which takes a clock that is right.
+std::uint32_t retry_after_ms(std::string_view field) {
+    std::uint32_t seconds = 0;
+    const auto [end, problem] = std::from_chars(field.data(), field.data() + field.size(), seconds);
+    if (end != field.data() + field.size() || problem == std::errc::invalid_argument)
+        return 0;
+    constexpr std::uint32_t most_s = std::numeric_limits<std::uint32_t>::max() / 1000;
+    return 1000 * (problem == std::errc() ? std::min(seconds, most_s) : most_s);
+}
+
 } // namespace
 
 struct WebSocket::Impl {
@@ -87,6 +100,7 @@ void WebSocket::shake_hands(const std::string& host, const std::string& path, Do
                                        why.empty() ? "" : ": ", why)};
             if (stays_declined(status))
                 declined.kind = WebSocketEnd::declined;
+            declined.retry_after_ms = retry_after_ms(impl->response[http::field::retry_after]);
             return declined;
         }
         if (error == beast::error::timeout)

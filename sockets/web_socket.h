@@ -22,8 +22,9 @@ namespace seaway::sockets {
 
 /// Kinds of errors.
 enum class WebSocketEnd {
-    closed,         ///< the peer said so; peer_close() has its code and reason
-    silent,         ///< nothing was heard of the peer for too long
+    closed, ///< the peer said so; peer_close() has its code and reason
+    silent, ///< nothing was heard of the peer for too long
+    unread, ///< of a ServedWebSocket: pings, or answers to the peer's, lie there for too long
     not_understood, ///< what came is no WebSocket, or a message too large
     broken,         ///< the connection is gone
     declined,       ///< of shake_hands(): by a server that would decline again
@@ -34,7 +35,7 @@ struct WebSocketOptions {
     /// "Server" or "User-Agent" of the handshake.
     std::string program;
     std::chrono::milliseconds handshake_patience{};
-    /// A peer that says nothing is pinged at half of it and given up at the end.
+    /// A peer that says nothing is pinged at half of it and given up at the end, and so is one that takes no pings or pongs.
     std::chrono::milliseconds idle_patience{};
     std::size_t message_bytes_max = 0;
     /// The read buffer, where it has become larger, is given back before the next message.
@@ -65,7 +66,7 @@ class WebSocket {
     WebSocket& operator=(WebSocket&&) = delete;
 
     /// Asks a server; errors are whole lines: that it is none, that it declines and with which
-    /// status, that it does not speak the subprotocol.
+    /// status, that it does not speak the subprotocol. One that declines may say when to come again (retry_after_ms).
     void shake_hands(const std::string& host, const std::string& path, Done done);
 
     void read(std::function<void(Result<Message>)> done);

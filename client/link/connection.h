@@ -90,8 +90,8 @@ class Connection {
     using OpenStream =
         std::function<Result<std::unique_ptr<MessageStream>>(const Url&, const WebSocketOptions&)>;
 
-    /// Connects, says hello and waits for the first sea state. Blocks `timeout_s` at most. Errors: cannot_connect;
-    /// for_good where coming again would meet the same.
+    /// Connects, says hello and waits for the first sea state. Blocks `timeout_s`, and a second more at most; a threadless one
+    /// for as long as the system looks a name up. Errors: cannot_connect; for_good where coming again would meet the same.
     static Result<std::unique_ptr<Connection>> open(const ConnectOptions& options,
                                                     ConnectionEvents events,
                                                     const OpenStream& open_stream = open_websocket);

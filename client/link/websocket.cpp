@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // MessageStream over a WebSocket: one io thread a connection, or who calls work(); callbacks on it, no locks.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <deque>
@@ -20,6 +21,7 @@
 #include "client/link/failure.h"
 #include "client/link/message_stream.h"
 #include "protocol/limits.h"
+#include "sockets/name_lookup.h"
 #include "sockets/web_socket.h"
 
 namespace seaway::client {
@@ -76,7 +78,7 @@ class SocketStream final : public MessageStream {
         std::future<Result<void>> result = opened_.get_future();
         asio::post(io_, [this] { resolve(); });
         begin_thread();
-        // Steps have their own time limits; name resolution has none.
+        // Steps have their own time limits, but for the name, which the system takes as long for as it likes.
         const auto deadline = std::chrono::steady_clock::now() +
                               to_milliseconds(options_.connect_timeout_s) + close_patience;
         while (result.wait_for(tick_interval) == std::future_status::timeout) {
@@ -197,20 +199,18 @@ class SocketStream final : public MessageStream {
     }
 
     void resolve() {
-        const auto resolved = [this](error_code problem, const auto& endpoints) {
-            if (problem)
+        const auto resolved = [this](const Result<sockets::Socket::Endpoints>& endpoints) {
+            if (!endpoints)
                 return opened(cannot_connect(
-                    fmt::format("the name does not resolve ({})", problem.message())));
-            connect_to(endpoints);
+                    fmt::format("the name does not resolve ({})", endpoints.error().message)));
+            connect_to(*endpoints);
         };
-        if (!options_.threadless)
-            return resolver_.async_resolve(url_.host, url_.port, resolved);
-        error_code problem; // Asio looks names up on a thread of its own, or here
-        const auto endpoints = resolver_.resolve(url_.host, url_.port, problem);
-        resolved(problem, endpoints);
+        if (options_.threadless)
+            return resolved(sockets::NameLookup::now(url_.host, url_.port));
+        lookup_.begin(url_.host, url_.port, resolved);
     }
 
-    void connect_to(const asio::ip::tcp::resolver::results_type& endpoints) {
+    void connect_to(const sockets::Socket::Endpoints& endpoints) {
         ws_.socket().expires_after(to_milliseconds(options_.connect_timeout_s));
         ws_.socket().connect(endpoints, [this](error_code problem) {
             if (problem)
@@ -234,6 +234,8 @@ class SocketStream final : public MessageStream {
             Error why = cannot_connect(shaken.error().message);
             if (shaken.error().is(WebSocketEnd::declined))
                 why.kind = Failure::for_good;
+            why.retry_after_ms =
+                std::min(shaken.error().retry_after_ms, protocol::limits::retry_after_ms_max);
             opened(why);
         });
     }
@@ -326,12 +328,12 @@ class SocketStream final : public MessageStream {
     const Url url_;
     const WebSocketOptions options_;
     MessageStreamEvents events_;
+    const std::shared_ptr<asio::ssl::context> tls_context_; ///< longer than what is under way
     asio::io_context io_{1};
     /// Keeps the thread until finish(), also where nothing is being waited for.
     std::optional<asio::executor_work_guard<asio::io_context::executor_type>> work_ =
         asio::make_work_guard(io_);
-    std::shared_ptr<asio::ssl::context> tls_context_;
-    asio::ip::tcp::resolver resolver_{io_};
+    sockets::NameLookup lookup_{io_};
     sockets::WebSocket ws_;
     asio::steady_timer ticker_;
     std::deque<protocol::Bytes> outbox_;

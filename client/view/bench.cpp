@@ -46,7 +46,7 @@ Result<void> bench(SeaSource& source, Renderer& renderer, const ViewOptions& opt
     double all_s = 0, all_cpu_s = 0;
     Display display;
     for (int i = 0; i < options.bench_frames; ++i) {
-        SEAWAY_TRY_LET(SeaFrame frame, source.at(start_us + frame_offset_us(i)));
+        SEAWAY_TRY_LET(SeaFrame frame, source.at(start_us + options.rate.offset_us(i)));
         set_water(frame, options.look);
         if (i == 0) { // pipelines are made
             if (const auto fits = check_debug(options.debug, frame, renderer.options()); !fits)

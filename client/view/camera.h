@@ -12,7 +12,8 @@ namespace seaway::client {
 // What a camera may be.
 inline constexpr double camera_place_max_m = 1e7; ///< |x|, |y|
 inline constexpr double camera_height_min_m = -50, camera_height_max_m = 20e3;
-inline constexpr double camera_pitch_max_deg = 89; ///< either way
+inline constexpr double camera_yaw_max_deg = 36000; ///< either way, where one is asked for
+inline constexpr double camera_pitch_max_deg = 89;  ///< either way
 inline constexpr double camera_view_min_deg = 1, camera_view_max_deg = 150;
 
 struct Camera {

@@ -16,6 +16,9 @@ namespace seaway::client {
 namespace {
 
 constexpr std::size_t rows_max = 100'000;
+/// Times of all seas (sea::time_us_max), and the least step that they know.
+constexpr double path_time_max_s = 1e12;
+constexpr double path_step_min_s = 1e-6;
 
 struct Column {
     const char* name;
@@ -27,7 +30,7 @@ constexpr std::array<Column, 6> path_columns{{
     {"x_m", &Camera::x_m, -camera_place_max_m, camera_place_max_m},
     {"y_m", &Camera::y_m, -camera_place_max_m, camera_place_max_m},
     {"z_m", &Camera::z_m, camera_height_min_m, camera_height_max_m},
-    {"yaw_deg", &Camera::yaw_deg, -36000, 36000},
+    {"yaw_deg", &Camera::yaw_deg, -camera_yaw_max_deg, camera_yaw_max_deg},
     {"pitch_deg", &Camera::pitch_deg, -camera_pitch_max_deg, camera_pitch_max_deg},
     {"fov_deg", &Camera::view_deg, camera_view_min_deg, camera_view_max_deg, false},
 }};
@@ -35,6 +38,26 @@ constexpr std::array<Column, 6> path_columns{{
 /// The angle that is the same direction as `angle` and nearest to `near`, deg.
 double unwrapped(double angle, double near) {
     return near + std::remainder(angle - near, 360.0);
+}
+
+/// In order, and so far apart and no further that slopes are finite.
+Result<void> check_time(const CsvTable& table, std::size_t row, std::size_t column) {
+    const double t_s = table.rows[row][column];
+    if (std::abs(t_s) > path_time_max_s)
+        return table.error(
+            row, fmt::format("t_s {:g}: {:g} .. {:g}", t_s, -path_time_max_s, path_time_max_s));
+    if (row == 0)
+        return {};
+    const double before_s = table.rows[row - 1][column];
+    if (t_s <= before_s)
+        return table.error(row, fmt::format("t_s {:.9g} does not lie after the row before, {:.9g}",
+                                            t_s, before_s));
+    // A step of 1e-6 s late in time is rounded to somewhat less.
+    if (t_s - before_s < 0.5 * path_step_min_s)
+        return table.error(row, fmt::format("t_s {:.9g} is {:.3g} s after the row before; at least "
+                                            "{:g} s",
+                                            t_s, t_s - before_s, path_step_min_s));
+    return {};
 }
 
 } // namespace
@@ -51,9 +74,7 @@ Result<CameraPath> CameraPath::parse(std::string_view text, const std::string& n
     std::vector<Key> keys;
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         Key key{table.rows[row][*time], base};
-        if (!keys.empty() && key.t_s <= keys.back().t_s)
-            return table.error(row, fmt::format("t_s {:g} does not lie after the row before, {:g}",
-                                                key.t_s, keys.back().t_s));
+        SEAWAY_TRY(check_time(table, row, *time));
         for (const Column& column : path_columns) {
             const std::optional<std::size_t> at = table.column(column.name);
             if (!at)

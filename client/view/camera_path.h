@@ -17,7 +17,7 @@ class CameraPath {
     explicit CameraPath(const Camera& camera) : keys_{{0, camera}} {}
 
     /// CSV with the columns t_s, x_m, y_m, z_m, yaw_deg, pitch_deg and, if wanted, fov_deg (width of the picture): a moment a
-    /// row, times growing, at most 100,000. What a row does not say is `base`'s. Errors name the line and the range.
+    /// row, at most 100,000, times growing by 1e-6 s at least and within 1e12 s of 0. What a row does not say is `base`'s. Errors name the line and the range.
     static Result<CameraPath> parse(std::string_view text, const std::string& name,
                                     const Camera& base);
 

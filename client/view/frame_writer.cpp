@@ -26,27 +26,28 @@ Result<void> make_folder_of(const std::string& path) {
 } // namespace
 
 FrameWriter::FrameWriter(const ViewOptions& options)
-    : pattern_(options.out), frames_(options.frames), shows_(!options.out.ends_with(".exr")),
+    : pattern_(options.out), frames_(options.frames), numbered_(options.numbered()),
+      rate_(options.rate), shows_(!options.out.ends_with(".exr")),
       terminal_(options.frames > 1 && stderr_is_terminal()) {}
 
-Result<std::string> FrameWriter::write(const Picture& picture, int frame) {
-    const std::string path = frame_path(pattern_, frame, frames_);
+Result<std::string> FrameWriter::write(const Picture& picture, int frame,
+                                       const PictureNotes& notes) {
+    const std::string path = frame_path(pattern_, frame, numbered_);
     SEAWAY_TRY(make_folder_of(path));
-    SEAWAY_TRY(write_exr(picture, path));
+    SEAWAY_TRY(write_exr(picture, path, notes));
     return path;
 }
 
 Result<std::string> FrameWriter::write(const ShownPicture& picture, int frame) {
     if (!is_film(pattern_)) {
-        const std::string path = frame_path(pattern_, frame, frames_);
+        const std::string path = frame_path(pattern_, frame, numbered_);
         SEAWAY_TRY(make_folder_of(path));
         SEAWAY_TRY(write_png(picture, path));
         return path;
     }
     if (!film_) {
         SEAWAY_TRY(make_folder_of(pattern_));
-        Result<FilmFile> film =
-            FilmFile::open(pattern_, picture.width, picture.height, frame_rate_hz);
+        Result<FilmFile> film = FilmFile::open(pattern_, picture.width, picture.height, rate_);
         if (!film)
             return film.error();
         film_.emplace(std::move(*film));

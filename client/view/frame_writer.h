@@ -19,8 +19,8 @@ class FrameWriter {
 
     /// Are bytes wanted, or numbers (EXR)?
     bool shows() const { return shows_; }
-    /// Makes missing folders. The path that was written. Errors name it.
-    Result<std::string> write(const Picture& picture, int frame);
+    /// `frame` is its number. Makes missing folders. The path that was written. Errors name it.
+    Result<std::string> write(const Picture& picture, int frame, const PictureNotes& notes);
     Result<std::string> write(const ShownPicture& picture, int frame);
     /// The film is whole after this; of single files nothing is left to do.
     Result<void> close();
@@ -31,6 +31,8 @@ class FrameWriter {
   private:
     std::string pattern_;
     int frames_;
+    bool numbered_;
+    FrameRate rate_;
     bool shows_;
     std::optional<FilmFile> film_;
     bool terminal_;

@@ -11,6 +11,7 @@
 #include "base/result.h"
 #include "client/view/debug_views.h"
 #include "client/view/sky/look.h"
+#include "sea/basics/time.h"
 
 namespace seaway::client {
 
@@ -66,7 +67,16 @@ double metered_exposure(const Picture& picture, double white_radiance);
 /// 8 bits sRGB. An error names the path.
 Result<void> write_png(const ShownPicture& picture, const std::string& path);
 
-/// 32-bit floats, channels R, G, B as rendered: not exposed, not mapped.
-Result<void> write_exr(const Picture& picture, const std::string& path);
+/// What an EXR file says of its picture besides.
+struct PictureNotes {
+    std::string
+        debug; ///< attribute seaway.debug: the view of numbers, in the words of --debug; empty: radiance
+    sea::TimeUs time_us = 0; ///< attribute seaway.time_us, as text
+};
+
+/// 32-bit floats, channels R, G, B as rendered: not exposed, not mapped; and of a view of numbers A, which says where there is
+/// one.
+Result<void> write_exr(const Picture& picture, const std::string& path,
+                       const PictureNotes& notes = {});
 
 } // namespace seaway::client

@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStdIO.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <png.h>
 
 #include "base/whole_file.h"
@@ -50,11 +51,15 @@ Result<void> write_png(const ShownPicture& picture, const std::string& path) {
 
 namespace {
 
-void write_numbers(const Picture& picture, std::ofstream& file, const std::string& path) {
+void write_numbers(const Picture& picture, const PictureNotes& notes, std::ofstream& file,
+                   const std::string& path) {
     Imf::Header header(picture.width, picture.height);
+    header.insert("seaway.time_us", Imf::StringAttribute(std::to_string(notes.time_us)));
+    if (!notes.debug.empty())
+        header.insert("seaway.debug", Imf::StringAttribute(notes.debug));
     Imf::FrameBuffer frame;
-    const char* const names[] = {"R", "G", "B"};
-    for (std::size_t c = 0; c < 3; ++c) {
+    const char* const names[] = {"R", "G", "B", "A"};
+    for (std::size_t c = 0; c < (notes.debug.empty() ? 3 : 4); ++c) {
         header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
         // OpenEXR only reads through this pointer.
         char* base = const_cast<char*>(reinterpret_cast<const char*>(&picture.rgba[c]));
@@ -70,14 +75,14 @@ void write_numbers(const Picture& picture, std::ofstream& file, const std::strin
 
 } // namespace
 
-Result<void> write_exr(const Picture& picture, const std::string& path) {
+Result<void> write_exr(const Picture& picture, const std::string& path, const PictureNotes& notes) {
     return write(path, [&](const std::string& beside) -> Result<void> {
         errno = 0;
         std::ofstream file(beside, std::ios::binary);
         if (!file)
             return Error{std::strerror(errno)};
         try {
-            write_numbers(picture, file, beside);
+            write_numbers(picture, notes, file, beside);
         } catch (const std::exception& failure) {
             return Error{failure.what()};
         }

@@ -24,15 +24,15 @@ namespace seaway::client {
 namespace {
 
 constexpr int side_max = 16384;
-constexpr int frames_max = 1'000'000;
 constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
 constexpr double timeout_min_s = 1e-3, timeout_max_s = 86400;
 
 constexpr const char* footer =
     "Yaw is a bearing (0 north, 90 east), pitch is positive upwards. The hour is solar time on "
     "the\n"
-    "day of equinox at 45 degrees north: sunrise at 6 in the east, noon 45 degrees high. Frames\n"
-    "are 1/30 s of sea time apart. In --out, #### or %04d is the frame's number. PNG is sRGB, EXR\n"
+    "day of equinox at 45 degrees north: sunrise at 6 in the east, noon 45 degrees high. Frame n\n"
+    "is the sea n/fps after --time. In --out, #### or %04d is the frame's number. PNG is sRGB, "
+    "EXR\n"
     "holds linear numbers. Options win over the file of --look. Without --offscreen a window "
     "opens;\n"
     "it connects again by itself.\n"
@@ -71,6 +71,9 @@ Result<void> read_camera(const std::string& text, Camera& camera) {
     SEAWAY_TRY(require(v[2] >= camera_height_min_m && v[2] <= camera_height_max_m,
                        fmt::format("--camera {}: Z is {:g} .. {:g} m", text, camera_height_min_m,
                                    camera_height_max_m)));
+    SEAWAY_TRY(require(std::abs(v[3]) <= camera_yaw_max_deg,
+                       fmt::format("--camera {}: YAW_DEG is {:g} .. {:g}", text,
+                                   -camera_yaw_max_deg, camera_yaw_max_deg)));
     SEAWAY_TRY(require(std::abs(v[4]) <= camera_pitch_max_deg,
                        fmt::format("--camera {}: PITCH_DEG is -89 .. 89", text)));
     camera.x_m = v[0];
@@ -94,11 +97,35 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
 
 /// Options that need reading once more.
 struct Words {
-    std::string size, window, camera, debug = "final", time, quality;
+    std::string size, window, camera, debug = "final", time, quality, rate;
+    int first = -1;
     double timeout_s = std::numeric_limits<double>::quiet_NaN();
     LookWords look;
     bool list = false;
 };
+
+Result<void> check_frames(const ViewOptions& options) {
+    SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
+                       fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
+    if (options.first) {
+        SEAWAY_TRY(require(*options.first + options.frames <= frames_max,
+                           fmt::format("--first {} --frames {}: frames are numbered 0 .. {}",
+                                       *options.first, options.frames, frames_max - 1)));
+        // Pieces are of one film: what each of them would begin with anew is not of it.
+        SEAWAY_TRY(require(options.time_s || !options.scene.empty(),
+                           "--first needs --time SECONDS, the sea time of frame 0: now is another "
+                           "one for each piece"));
+        SEAWAY_TRY(require(!options.turntable,
+                           "--first and --turntable, which turns once in --frames: give --path"));
+        SEAWAY_TRY(require(options.bench_frames == 0, "--first and --bench: one of them"));
+    }
+    const double last_s = options.rate.offset_s(
+        std::max(options.frame(options.frames - 1), options.bench_frames - 1));
+    return require(options.time_s.value_or(0) + last_s <= time_max_s,
+                   fmt::format("--frames {}: the last is {} s after --time {}; sea time ends at "
+                               "{:g} s",
+                               options.frames, last_s, options.time_s.value_or(0), time_max_s));
+}
 
 /// What is of files alone.
 Result<void> check_files(const Words& words, const ViewOptions& options) {
@@ -127,15 +154,7 @@ Result<void> check_files(const Words& words, const ViewOptions& options) {
                     options.out)));
     SEAWAY_TRY(
         require(options.path.empty() || !options.turntable, "--path and --turntable: one of them"));
-    SEAWAY_TRY(require(options.frames >= 1 && options.frames <= frames_max,
-                       fmt::format("--frames {}: 1 .. {}", options.frames, frames_max)));
-    const double last_s = sea::seconds_from_us(frame_offset_us(options.frames - 1));
-    SEAWAY_TRY(
-        require(!options.time_s || *options.time_s + last_s <= time_max_s,
-                fmt::format("--frames {}: the last is {} s after --time {}; sea time ends at "
-                            "{:g} s",
-                            options.frames, last_s, options.time_s.value_or(0), time_max_s)));
-    return {};
+    return check_frames(options);
 }
 
 /// A window shows the sea of now and writes nothing: what is of files alone is not passed over in silence.
@@ -143,6 +162,8 @@ Result<void> check_window(const Words& words, const ViewOptions& options) {
     const std::pair<bool, const char*> of_files[] = {
         {!options.out.empty(), "--out"},
         {options.frames != 1, "--frames"},
+        {options.first.has_value(), "--first"},
+        {!words.rate.empty(), "--fps"},
         {options.bench_frames != 0, "--bench"},
         {!options.path.empty(), "--path"},
         {options.turntable, "--turntable"},
@@ -199,6 +220,11 @@ Result<void> take(const Words& words, ViewOptions& options) {
     if (!words.camera.empty())
         SEAWAY_TRY(read_camera(words.camera, options.camera));
     SEAWAY_TRY(read_time(words.time, options));
+    if (words.first >= 0)
+        options.first = words.first;
+    if (!words.rate.empty()) {
+        SEAWAY_TRY_LET(options.rate, parse_frame_rate("--fps", words.rate));
+    }
     options.sheet = words.debug == "all";
     if (!options.sheet) {
         SEAWAY_TRY_LET(options.debug, parse_debug_view(words.debug));
@@ -215,12 +241,13 @@ Result<void> take(const Words& words, ViewOptions& options) {
     return check(words, options);
 }
 
-/// Where the number of a frame goes: #### or %04d.
+/// Where the number of a frame goes: #### or %04d in the name of a file.
 struct NumberField {
     std::size_t first, end, digits;
 };
 
-std::optional<NumberField> number_field(const std::string& pattern, std::size_t from) {
+std::optional<NumberField> number_field(const std::string& pattern) {
+    const std::size_t from = pattern.rfind('/') + 1; // 0 where there is no folder
     if (const std::size_t hash = pattern.find('#', from); hash != std::string::npos) {
         const std::size_t end = std::min(pattern.find_first_not_of('#', hash), pattern.size());
         return NumberField{hash, end, end - hash};
@@ -243,6 +270,50 @@ void list_debug() {
             fmt::print("{:<18}  {}\n", "", keys);
     }
     fmt::print("{:<18}{}\n", "all", "a sheet of every view, in one picture");
+}
+
+void describe(CommandLine& line, Words& words, ViewOptions& options) {
+    line.option("URL", options.url, "ws://HOST:PORT or wss://HOST:PORT");
+    line.option(
+            "--scene", options.scene,
+            "scene file: the sea is made here, on the device that draws, and no server is asked")
+        .takes("FILE");
+    line.option("--window", words.window, "size of the window, WIDTHxHEIGHT (1280x720)");
+    line.option("--offscreen", words.size, "draw to files: size of the picture, WIDTHxHEIGHT");
+    line.option("--frames", options.frames, "number of frames");
+    line.option("--first", words.first,
+                "number of the first of them, of a film that is drawn in pieces (0)")
+        .takes("N")
+        .between(0, frames_max - 1);
+    line.option("--fps", words.rate, "frames a second of sea time, also N/D as 24000/1001 (30)")
+        .takes("F");
+    line.option("--out", options.out,
+                "where frames go: a pattern ending in .png or .exr, or a film, .mp4 or .webm")
+        .takes("FILE");
+    line.option("--path", options.path,
+                "CSV file with the camera over time: t_s,x_m,y_m,z_m,yaw_deg,pitch_deg[,fov_deg]")
+        .takes("FILE");
+    line.option("--turntable", options.turntable, "go once around what the camera looks at");
+    line.option("--camera", words.camera,
+                "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea, or below it");
+    line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
+    words.look.describe(line);
+    line.option("--time", words.time, "sea time of frame 0: 'now' or seconds; a scene begins at 0");
+    line.option(
+        "--quality", words.quality,
+        "low, default, high or film: how much work a frame is (window: default, files: high)");
+    line.option("--bench", options.bench_frames,
+                "draw so many frames instead of files, print what each pass takes");
+    line.option("--debug", words.debug, "what to show: VIEW[:key=value,...] or all (--list-debug)");
+    line.option("--list-debug", words.list, "print the views of --debug and exit");
+    line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
+    line.option("--token-file", options.token_file, "file with the server's client token")
+        .takes("FILE");
+    line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM")
+        .takes("FILE");
+    options.limits.describe(line);
+    line.option("--timeout", words.timeout_s, "seconds to wait for the server")
+        .between(timeout_min_s, timeout_max_s);
 }
 
 } // namespace
@@ -274,42 +345,7 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
         "seaway-view",
         "Shows the sea of a running server, or of a scene: in a window, or drawn to files.");
     line.footer(footer);
-    line.option("URL", options.url, "ws://HOST:PORT or wss://HOST:PORT");
-    line.option(
-            "--scene", options.scene,
-            "scene file: the sea is made here, on the device that draws, and no server is asked")
-        .takes("FILE");
-    line.option("--window", words.window, "size of the window, WIDTHxHEIGHT (1280x720)");
-    line.option("--offscreen", words.size, "draw to files: size of the picture, WIDTHxHEIGHT");
-    line.option("--frames", options.frames, "number of frames");
-    line.option("--out", options.out,
-                "where frames go: a pattern ending in .png or .exr, or a film, .mp4 or .webm")
-        .takes("FILE");
-    line.option("--path", options.path,
-                "CSV file with the camera over time: t_s,x_m,y_m,z_m,yaw_deg,pitch_deg[,fov_deg]")
-        .takes("FILE");
-    line.option("--turntable", options.turntable, "go once around what the camera looks at");
-    line.option("--camera", words.camera,
-                "X,Y,Z,YAW_DEG,PITCH_DEG: m east, north, above the mean sea, or below it");
-    line.option("--fov", options.camera.view_deg, "width of the picture, degrees (62)");
-    words.look.describe(line);
-    line.option("--time", words.time,
-                "sea time of the first frame: 'now' or seconds; a scene begins at 0");
-    line.option(
-        "--quality", words.quality,
-        "low, default, high or film: how much work a frame is (window: default, files: high)");
-    line.option("--bench", options.bench_frames,
-                "draw so many frames instead of files, print what each pass takes");
-    line.option("--debug", words.debug, "what to show: VIEW[:key=value,...] or all (--list-debug)");
-    line.option("--list-debug", words.list, "print the views of --debug and exit");
-    line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
-    line.option("--token-file", options.token_file, "file with the server's client token")
-        .takes("FILE");
-    line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM")
-        .takes("FILE");
-    options.limits.describe(line);
-    line.option("--timeout", words.timeout_s, "seconds to wait for the server")
-        .between(timeout_min_s, timeout_max_s);
+    describe(line, words, options);
     const Result<CommandLine::Next> next = line.read(argc, argv);
     const bool leave = next && *next == CommandLine::Next::leave;
     if (next && !leave && words.list)
@@ -325,13 +361,11 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     return options;
 }
 
-std::string frame_path(const std::string& pattern, int frame, int frames) {
-    const std::size_t name = pattern.rfind('/') + 1; // 0 where there is no folder
-    for (const std::size_t from : {name, std::size_t{0}})
-        if (const std::optional<NumberField> field = number_field(pattern, from))
-            return pattern.substr(0, field->first) + fmt::format("{:0{}}", frame, field->digits) +
-                   pattern.substr(field->end);
-    if (frames == 1)
+std::string frame_path(const std::string& pattern, int frame, bool numbered) {
+    if (const std::optional<NumberField> field = number_field(pattern))
+        return pattern.substr(0, field->first) + fmt::format("{:0{}}", frame, field->digits) +
+               pattern.substr(field->end);
+    if (!numbered)
         return pattern;
     const std::size_t dot = pattern.rfind('.');
     return pattern.substr(0, dot) + fmt::format("-{:04}", frame) + pattern.substr(dot);

@@ -9,17 +9,12 @@
 #include "client/tile_limits.h"
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
+#include "client/view/frame_times.h"
 #include "client/view/quality.h"
 #include "client/view/sky/look.h"
 #include "sea/basics/time.h"
 
 namespace seaway::client {
-
-inline constexpr sea::TimeUs frame_rate_hz = 30;
-/// Sea time from the first frame to this one.
-inline constexpr sea::TimeUs frame_offset_us(int frame) {
-    return frame * sea::TimeUs{1'000'000} / frame_rate_hz;
-}
 
 struct ViewOptions {
     std::string url;        ///< of a server; empty: `scene` is made here
@@ -27,12 +22,15 @@ struct ViewOptions {
     bool offscreen = false; ///< to files; else in a window
     Camera camera;          ///< with the size of the picture, or of the window
     int frames = 1;
+    std::optional<int>
+        first; ///< number of the first that is drawn, of a film in pieces; nothing: 0
+    FrameRate rate;
     std::string out;              ///< pattern of paths, see frame_path()
     std::string path;             ///< CSV file of a CameraPath; empty: none
     bool turntable = false;       ///< see CameraPath::turntable()
     std::string look_path;        ///< of --look; empty: none
     Look look;                    ///< of --look, and what options say over it
-    std::optional<double> time_s; ///< sea time of the first frame; nothing: now, or 0 of a scene
+    std::optional<double> time_s; ///< sea time of frame 0; nothing: now, or 0 of a scene
     DebugChoice debug;
     bool sheet = false; ///< --debug all: every view in one picture
     Quality quality = quality_table[quality_high];
@@ -44,6 +42,10 @@ struct ViewOptions {
     std::string token_file;
     std::string ca_file;
 
+    /// Number of the i-th that is drawn.
+    int frame(int i) const { return first.value_or(0) + i; }
+    /// Is there more than this picture of its name?
+    bool numbered() const { return frames > 1 || first; }
     /// A quality with the density that was asked for whatever the quality.
     Quality as_dense(Quality of) const {
         of.cell_pixels = cell_pixels.value_or(of.cell_pixels);
@@ -68,8 +70,8 @@ ViewExit view_exit(const Error& error);
 /// has been printed).
 std::variant<ViewOptions, int> read_view_options(int argc, const char* const* argv);
 
-/// "out/####.png" or "out/%04d.png" with the frame's number, of a field in the file's name rather than in a folder's; a
-/// pattern without one is the path itself for a single frame, and has "-0000" put before its ending for several.
-std::string frame_path(const std::string& pattern, int frame, int frames);
+/// "out/####.png" or "out/%04d.png" with the frame's number, of a field in the file's name, not in a folder's; a
+/// pattern without one has "-0000" put before its ending where frames are numbered, and is the path itself where not.
+std::string frame_path(const std::string& pattern, int frame, bool numbered);
 
 } // namespace seaway::client

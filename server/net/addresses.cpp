@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/ip/network_v6.hpp>
@@ -53,15 +54,35 @@ std::uint64_t Address::turn_away(Crowding why, Bucket::Clock::time_point now) {
     return std::exchange(told.since, 0);
 }
 
-std::string address_name(std::string_view text) {
+namespace {
+
+/// Of "::ffff:203.0.113.7" the IPv4 address. No address: of what is none.
+std::optional<ip::address> read_address(std::string_view text) {
     boost::system::error_code error;
     const ip::address address = ip::make_address(std::string(text), error);
-    if (error || address.is_v4())
+    if (error)
+        return std::nullopt;
+    if (address.is_v6() && address.to_v6().is_v4_mapped())
+        return ip::make_address_v4(ip::v4_mapped, address.to_v6());
+    return address;
+}
+
+} // namespace
+
+std::string address_name(std::string_view text) {
+    const std::optional<ip::address> address = read_address(text);
+    if (!address)
         return std::string(text);
-    const ip::address_v6 v6 = address.to_v6();
-    if (v6.is_v4_mapped())
-        return ip::make_address_v4(ip::v4_mapped, v6).to_string();
-    return ip::make_network_v6(ip::address_v6(v6.to_bytes()), 64).canonical().to_string();
+    if (address->is_v4())
+        return address->to_string();
+    return ip::make_network_v6(ip::address_v6(address->to_v6().to_bytes()), 64)
+        .canonical()
+        .to_string();
+}
+
+Peer peer_of(const Endpoint& from, AddressPtr address, bool tls) {
+    const std::optional<ip::address> ip = read_address(from.ip);
+    return {from.text(), std::move(address), ip && ip->is_loopback(), tls};
 }
 
 AddressPtr Addresses::of(std::string_view ip, Bucket::Clock::time_point now) {

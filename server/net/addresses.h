@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 
+#include "server/net/endpoint.h"
 #include "server/net/options.h"
 
 namespace seaway::server {
@@ -101,6 +102,9 @@ struct Peer {
     /// What it says has been seen by nobody on the way.
     bool unseen() const { return tls || loopback; }
 };
+
+/// On this machine are 127.0.0.0/8, ::1, and what a listener of both kinds calls the former: "::ffff:127.0.0.1".
+Peer peer_of(const Endpoint& from, AddressPtr address, bool tls);
 
 /// One more of a count of its address, for as long as it lives.
 template <int Address::*count>

@@ -39,8 +39,11 @@ Result<std::shared_ptr<ssl::context>> new_context() {
     boost::system::error_code error;
     tls->set_options(ssl::context::no_tlsv1 | ssl::context::no_tlsv1_1 | ssl::context::no_sslv2 |
                          ssl::context::no_sslv3 | SSL_OP_NO_RENEGOTIATION |
-                         SSL_OP_CIPHER_SERVER_PREFERENCE,
+                         SSL_OP_CIPHER_SERVER_PREFERENCE | SSL_OP_NO_TICKET,
                      error);
+    // Nobody takes a session up again: the key of a ticket, or a session that is kept, opens what was said in all of them.
+    SSL_CTX_set_session_cache_mode(tls->native_handle(), SSL_SESS_CACHE_OFF);
+    SSL_CTX_set_num_tickets(tls->native_handle(), 0);
     if (SSL_CTX_set_cipher_list(tls->native_handle(), cipher_suites) != 1)
         return Error{fmt::format("this OpenSSL has none of the cipher suites {}", cipher_suites)};
     SSL_CTX_set_msg_callback(tls->native_handle(), count_handshakes);

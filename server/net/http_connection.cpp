@@ -4,6 +4,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/steady_timer.hpp>
@@ -57,7 +58,8 @@ HttpHead head_of(const Request& request) {
             .transfer_encodings = all(http::field::transfer_encoding),
             .authorizations = all(http::field::authorization),
             .fetch_site = text(request["Sec-Fetch-Site"]),
-            .fetch_mode = text(request["Sec-Fetch-Mode"])};
+            .fetch_mode = text(request["Sec-Fetch-Mode"]),
+            .fetch_dest = text(request["Sec-Fetch-Dest"])};
 }
 
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
@@ -70,7 +72,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         if (!socket_.has_tls())
             return read_request();
         await_request();
-        socket_.expires_after(core().options.http_deadline);
+        socket_.expires_after(core().options.http_deadline); // for the first request as well
+        deadline_runs_ = true;
         socket_.accept_tls([self = shared_from_this()](error_code error) {
             if (error)
                 return self->failed("tls", error);
@@ -125,7 +128,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         parser_.emplace();
         parser_->header_limit(header_bytes_max);
         parser_->body_limit(body_bytes_max);
-        socket_.expires_after(core().options.http_deadline);
+        if (!std::exchange(deadline_runs_, false))
+            socket_.expires_after(core().options.http_deadline);
         http::async_read_header(socket_, buffer_, *parser_, then(&HttpConnection::on_header));
     }
 
@@ -161,6 +165,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     bool head_only() const { return parser_->get().method() == http::verb::head; }
+    /// A client of HTTP/1.0 would have to be told so in a field of its own (RFC 9112, C.2.2): its connection ends instead.
+    bool goes_on() const { return parser_->get().version() >= 11 && parser_->get().keep_alive(); }
 
     void refuse(const Refused& refused) {
         if (beast::websocket::is_upgrade(parser_->get()))
@@ -186,25 +192,25 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             return respond(stopping_page(core()), head_only(), false);
         const bool reads = request.method() == http::verb::get || head_only();
         if (reads && asked.path == map_path && !health_only)
-            return head_only() ? announce_map(asked.parameters, request.keep_alive())
+            return head_only() ? announce_map(asked.parameters)
                                : serve_map(std::move(slot_), std::move(socket_), std::move(peer_),
                                            std::move(asked.parameters));
         const Page page = page_for(core(), text(request.method_string()), asked.path, health_only);
         if (!health_only) // who watches a server at its own address is not to miss anything
             peer_.address->request_bytes.take(page.price_bytes, Clock::now());
-        respond(page, head_only(), request.keep_alive());
+        respond(page, head_only(), goes_on());
     }
 
     /// HEAD: nothing of the map is made.
-    void announce_map(const std::map<std::string, std::string>& parameters, bool keep_alive) {
+    void announce_map(const std::map<std::string, std::string>& parameters) {
         const Result<std::uint64_t> bytes = core().host.map_bytes(parameters);
         if (!bytes)
             return respond({.status = http_status(bytes.error()),
                             .body = bytes.error().message + "\n",
                             .retry_after_s = retry_after_s(bytes.error())},
-                           true, keep_alive);
+                           true, goes_on());
         respond({.content_type = std::string(map_content_type), .announced_bytes = *bytes}, true,
-                keep_alive);
+                goes_on());
     }
 
     // ---- from here to a stream ----
@@ -301,6 +307,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     sockets::Socket socket_;
     Peer peer_;
     asio::steady_timer delay_timer_;
+    bool deadline_runs_ = false; ///< since before the handshake
     beast::flat_buffer buffer_{header_bytes_max + body_bytes_max};
     std::optional<Parser> parser_;
     WaitingLine::Place awaits_;

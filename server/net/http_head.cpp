@@ -120,6 +120,12 @@ std::variant<Place, Refused> read_place(const HttpHead& head) {
     return place;
 }
 
+/// In a window of its own: what a page loads into a frame nobody sees.
+bool follows_a_link(const HttpHead& head) {
+    return equal_words(head.fetch_mode, "navigate") &&
+           (head.fetch_dest.empty() || equal_words(head.fetch_dest, "document"));
+}
+
 /// Who made a browser send this may use the server.
 std::optional<Refused> check_page(const HttpHead& head, const Origins& origins,
                                   const Authority& host, bool loopback, bool tls) {
@@ -141,8 +147,7 @@ std::optional<Refused> check_page(const HttpHead& head, const Origins& origins,
         if (!origins.allows(head.origins[0], host, tls))
             return forbidden("pages of this Origin may not use this server: the operator can allow "
                              "them with --allow-origin ORIGIN");
-    } else if (equal_words(head.fetch_site, "cross-site") &&
-               !equal_words(head.fetch_mode, "navigate")) {
+    } else if (equal_words(head.fetch_site, "cross-site") && !follows_a_link(head)) {
         return forbidden("pages of other sites may not load this");
     }
     return std::nullopt;

@@ -24,8 +24,9 @@ struct HttpHead {
     std::vector<std::string_view> origins = {};
     std::vector<std::string_view> transfer_encodings = {};
     std::vector<std::string_view> authorizations = {};
-    std::string_view fetch_site = {}; ///< Sec-Fetch-Site and Sec-Fetch-Mode (W3C Fetch Metadata)
+    std::string_view fetch_site = {}; ///< Sec-Fetch-Site, -Mode and -Dest (W3C Fetch Metadata)
     std::string_view fetch_mode = {};
+    std::string_view fetch_dest = {};
 };
 
 /// What is asked for.

@@ -42,12 +42,6 @@ Endpoint endpoint_of(const tcp::endpoint& endpoint) {
     return {endpoint.address().to_string(), endpoint.port(), endpoint.address().is_v6()};
 }
 
-bool is_loopback(const asio::ip::address& address) {
-    if (address.is_v6() && address.to_v6().is_v4_mapped())
-        return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).is_loopback();
-    return address.is_loopback();
-}
-
 /// Takes connections, one after the other, until it is closed.
 class Listener {
   public:
@@ -300,11 +294,10 @@ void NetServer::Impl::take_public(tcp::socket socket, const tcp::endpoint& from)
         return; // closed by its destructor
     }
     ++core_->counters.connections_accepted;
-    Peer peer{endpoint_of(from).text(), address, is_loopback(from.address()), tls_ != nullptr};
-    serve_http(ConnectionSlot(core_, core_->door, address),
-               tls_ ? sockets::Socket(std::move(socket), *tls_)
-                    : sockets::Socket(std::move(socket)),
-               std::move(peer));
+    sockets::Socket taken =
+        tls_ ? sockets::Socket(std::move(socket), *tls_) : sockets::Socket(std::move(socket));
+    Peer peer = peer_of(endpoint_of(from), address, taken.has_tls());
+    serve_http(ConnectionSlot(core_, core_->door, address), std::move(taken), std::move(peer));
 }
 
 void NetServer::Impl::take_health(tcp::socket socket, const tcp::endpoint& from) {
@@ -313,7 +306,7 @@ void NetServer::Impl::take_health(tcp::socket socket, const tcp::endpoint& from)
         !door.awaiting_requests.give_up_of(*health_address_))
         return;
     serve_http(ConnectionSlot(core_, door, health_address_), sockets::Socket(std::move(socket)),
-               {endpoint_of(from).text(), health_address_, is_loopback(from.address()), false});
+               peer_of(endpoint_of(from), health_address_, false));
 }
 
 void NetServer::Impl::hand_over(const std::string& why) {

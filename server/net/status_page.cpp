@@ -58,13 +58,17 @@ form { margin: 1rem 0; } footer { color: var(--soft); } footer a { margin-right:
 const std::string_view status_script = R"js("use strict";
 const side = 128, map_side_m_max = 4000, pause_ms = 1000, retry_ms = 5000;
 const at = id => document.getElementById(id);
-let token = "", entered = "", wake = () => {}, before = null, sea = null;
+let token = "", entered = "", taken = false, wake = () => {}, before = null, sea = null;
 
 class Refused extends Error { constructor(status, text) { super(text); this.status = status; } }
 
+function get(path, headers) {
+  return fetch(path, {headers, cache: "no-store", signal: AbortSignal.timeout(10000)});
+}
+
 async function ask(path) {
-  const headers = token ? {Authorization: "Bearer " + token} : {};
-  const answer = await fetch(path, {headers, cache: "no-store", signal: AbortSignal.timeout(10000)});
+  if (/[^\x00-\xff]/.test(token)) throw new Refused(401, "no header carries it");
+  const answer = await get(path, token ? {Authorization: "Bearer " + token} : {});
   if (!answer.ok) throw new Refused(answer.status, (await answer.text()).trim());
   return answer;
 }
@@ -179,9 +183,9 @@ function tell(state, words) {
 
 async function look() {
   if (document.visibilityState === "hidden") return pause_ms; // nobody looks: nothing is asked
-  if (entered) [token, entered] = [entered, ""];
+  if (entered) [token, entered, taken] = [entered, "", false];
   try {
-    const health = await fetch("/healthz", {cache: "no-store"});
+    const health = await get("/healthz", {});
     if (!health.ok) {
       tell("lost", "Out of order: " + (await health.text()).trim());
       return retry_ms;
@@ -198,14 +202,15 @@ async function look() {
       if (!(problem instanceof Refused && problem.status === 503) && problem.name !== "TimeoutError") throw problem;
       at("caption").textContent = `no picture now: ${problem.message}`; // others have the places of maps
     });
+    taken = token !== "";
     tell("live", "The sea runs.");
     return pause_ms;
   } catch (problem) {
     if (problem instanceof Refused && problem.status === 401) {
       at("door").hidden = false;
       at("all").hidden = true;
-      tell("token", token ? "That was not the token." : "");
-      token = "";
+      tell("token", taken ? "That is no longer the token." : token ? "That was not the token." : "");
+      [token, taken] = ["", false];
       return 0;
     }
     tell("lost", problem instanceof Refused ? problem.message : "The server does not answer.");

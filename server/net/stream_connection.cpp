@@ -341,6 +341,8 @@ class StreamConnection final : public Link,
             session_->end(
                 protocol::name(stuck ? wire::ErrorCode::too_slow : wire::ErrorCode::idle),
                 fmt::format("nothing received for {} ms", core().options.idle_timeout.count()));
+        } else if (error.is(WebSocketEnd::unread)) {
+            session_->end(protocol::name(wire::ErrorCode::too_slow), error.message);
         } else if (error.is(WebSocketEnd::not_understood)) {
             session_->end(protocol::name(wire::ErrorCode::bad_message), error.message);
         } else {

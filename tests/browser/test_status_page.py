@@ -184,6 +184,11 @@ class StatusPage(unittest.TestCase):
                     try { return await ask(...all); } finally { --now; } }; })()""")
             enter("guess")
             page.wait_for("document.getElementById('says').innerText.includes('not the token')")
+            enter("\u043a\u043b\u044e\u0447")  # no header carries it
+            page.wait_for("document.getElementById('token').value === ''")
+            time.sleep(0.5)
+            self.assertEqual(page.value("document.getElementById('says').innerText"), "That was not the token.")
+            self.assertEqual(page.value("document.documentElement.dataset.state"), "token")
             for _ in range(3):  # by who is impatient
                 enter("open sesame")
             page.wait_for(LIVE)
@@ -193,6 +198,13 @@ class StatusPage(unittest.TestCase):
             self.assertNotIn("sesame", page.value("location.href + document.documentElement.outerHTML"))
             self.assertEqual(page.value("localStorage.length + sessionStorage.length"), 0)
             self.assertEqual(page.value("document.cookie"), "")
+            with open(file.name, "w") as changed:
+                changed.write("open barley\n")
+            server.process.send_signal(signal.SIGHUP)
+            page.wait_for("document.documentElement.dataset.state === 'token'")
+            self.assertEqual(page.value("document.getElementById('says').innerText"), "That is no longer the token.")
+            enter("open barley")
+            page.wait_for(LIVE)
 
     def test_what_the_server_says_is_text_whatever_it_looks_like(self):
         name = "<img src=x onerror=document.title='run'>.toml"
@@ -218,6 +230,17 @@ class StatusPage(unittest.TestCase):
         page.wait_for("document.documentElement?.dataset.state === 'lost'")
         self.assertIn("does not answer", page.value("document.getElementById('says').innerText"))
         self.keep(page, "gone")
+
+    def test_a_server_that_takes_connections_and_answers_nothing_is_told_of(self):
+        server = self.serve("scenes/calm.toml")
+        page = self.browser.open(server.url + "/")
+        page.wait_for(LIVE)
+        server.process.send_signal(signal.SIGSTOP)
+        self.addCleanup(server.process.send_signal, signal.SIGCONT)  # before it is stopped
+        page.wait_for("document.documentElement.dataset.state === 'lost'")
+        self.assertEqual(page.value("document.getElementById('says').innerText"), "The server does not answer.")
+        server.process.send_signal(signal.SIGCONT)
+        page.wait_for(LIVE)
 
 
 if __name__ == "__main__":

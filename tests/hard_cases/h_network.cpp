@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -51,6 +53,59 @@ TEST(HardCase, H1_clocks_50_ms_apart_show_the_same_sea) {
            rms_difference(by_local_clock), rms_difference(shown));
 }
 
+client::HeldKeyframePtr keyframe_at(TimeUs time_us) {
+    sea::Keyframe made;
+    made.time_us = time_us;
+    made.size = 4;
+    made.length_m = 50;
+    made.fields = {sea::Field::height};
+    made.values.resize(made.plane_size());
+    return std::make_shared<const client::HeldKeyframe>(std::move(made),
+                                                        client::HeldKeyframe::FieldErrors{});
+}
+
+// 300 orders by lot of 16 keyframes, each once to three times: what is held is a matter of which have come. Naive: what
+// came last is the newest, and playback runs backward.
+TEST(HardCase,
+     H2_whatever_order_keyframes_come_in_and_how_often_the_sea_is_that_of_those_that_have) {
+    const TimeUs interval_us = 100'000;
+    std::mt19937 random(2);
+    int ours = 0, backward = 0, arrivals = 0;
+    for (int order = 0; order < 300; ++order) {
+        std::vector<TimeUs> coming;
+        for (TimeUs n = 0; n < 16; ++n)
+            coming.insert(coming.end(), 1 + random() % 3, n * interval_us);
+        std::shuffle(coming.begin(), coming.end(), random);
+        client::KeyframeRing ring;
+        std::set<TimeUs> there;
+        for (const TimeUs time_us : coming) {
+            backward += !there.empty() && time_us < *there.rbegin();
+            ++arrivals;
+            ring.insert(keyframe_at(time_us));
+            there.insert(time_us);
+            ASSERT_EQ(ring.size(0), there.size());
+            ours += ring.newest(0)->keyframe().time_us != *there.rbegin();
+            for (TimeUs n = 0; n < 15; ++n) {
+                const TimeUs before = n * interval_us, after = before + interval_us;
+                const auto pair =
+                    ring.around(0, 0, before + 1 + static_cast<TimeUs>(random() % 99'999),
+                                interval_us, {sea::Field::height});
+                ASSERT_TRUE(pair);
+                ASSERT_EQ(pair->covers, there.contains(before) && there.contains(after));
+                if (pair->covers) {
+                    ASSERT_EQ(pair->before->keyframe().time_us, before);
+                    ASSERT_EQ(pair->after->keyframe().time_us, after);
+                }
+            }
+        }
+    }
+    EXPECT_EQ(ours, 0);
+    EXPECT_GT(backward, 0);
+    record("300 orders of 16 keyframes, some twice or thrice",
+           "share of arrivals at which time runs backward",
+           static_cast<double>(backward) / arrivals, static_cast<double>(ours) / arrivals);
+}
+
 // A keyframe of another is told by its 64 bits of microseconds. 30 frames each around where numbers of 16 bits wrap, and
 // where microseconds of 31 and of 32 would.
 TEST(HardCase, H3_no_frame_is_taken_for_an_old_one_where_counters_wrap) {
@@ -64,14 +119,7 @@ TEST(HardCase, H3_no_frame_is_taken_for_an_old_one_where_counters_wrap) {
             const auto number = static_cast<std::uint16_t>(frame);
             by_number += !naive::newer(number, last_number);
             last_number = std::max(last_number, number);
-            sea::Keyframe made;
-            made.time_us = frame * interval_us;
-            made.size = 4;
-            made.length_m = 50;
-            made.fields = {sea::Field::height};
-            made.values.resize(made.plane_size());
-            ring.insert(std::make_shared<const client::HeldKeyframe>(
-                std::move(made), client::HeldKeyframe::FieldErrors{}));
+            ring.insert(keyframe_at(frame * interval_us));
             ours += ring.newest(0)->keyframe().time_us != frame * interval_us;
         }
     }

@@ -62,12 +62,31 @@ inline std::vector<double> true_map(const sea::CascadeModes& modes, sea::Field f
     return real_parts(h);
 }
 
+/// The map of heights in double precision as a sum of real waves, each by its own amplitude and frequency: what k and -k
+/// have to do with each other does not enter.
+inline std::vector<double> true_heights(const sea::CascadeModes& modes, sea::TimeUs t_us) {
+    Spectrum waves(modes.h0.size());
+    for (std::size_t i = 0; i < waves.size(); ++i)
+        waves[i] = 2.0 * modes.h0[i] * std::polar(1.0, -sea::phase_rad(modes.rate[i], t_us));
+    naive::fft_2d(waves, static_cast<std::size_t>(modes.spec.size));
+    return real_parts(waves);
+}
+
 template <class T>
 double rms(const std::vector<T>& values) {
     double sum = 0;
     for (const T value : values)
         sum += static_cast<double>(value) * value;
     return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// Imaginary over real rms of the map that naive code makes of these amplitudes.
+inline double imaginary_share(Spectrum h, std::size_t n) {
+    naive::fft_2d(h, n);
+    std::vector<double> imaginary;
+    for (const auto& value : h)
+        imaginary.push_back(value.imag());
+    return rms(imaginary) / rms(real_parts(h));
 }
 
 struct MapError {
@@ -84,6 +103,12 @@ MapError error_of(const std::vector<T>& map, const std::vector<double>& truth) {
     }
     const double scale = rms(truth);
     return {std::sqrt(sum / static_cast<double>(truth.size())) / scale, worst / scale};
+}
+
+/// The rms error, over the rms height, that rounding leaves a transform of `size` x `size` points: 2^-24 through log2 N^2
+/// stages that add in the square, and a factor of two for amplitudes and sines that are rounded as well.
+inline double rounding_of_maps(int size) {
+    return 0x1p-24 * 2 * std::sqrt(2 * std::log2(size));
 }
 
 /// A wave given by its amplitude and lattice index, beside what is there; both of a pair k, -k get

@@ -2,12 +2,16 @@
 // seaway-view --scene as its users run it, beside the same picture of a server of that scene.
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/text_file.h"
 #include "tests/client/view/golden/picture_difference.h"
 #include "tests/client/view/golden/picture_of_file.h"
 #include "tests/local/local_scenes.h"
@@ -73,6 +77,60 @@ TEST(LocalProgram, draws_films_from_time_0_on_and_the_same_bytes_each_time) {
               read_picture(folder().file("b02.png")).rgba);
     EXPECT_NE(read_picture(folder().file("a00.png")).rgba,
               read_picture(folder().file("a02.png")).rgba);
+}
+
+std::string bytes_of(const std::string& path) {
+    const Result<std::string> bytes = read_text_file(path, 1 << 22);
+    EXPECT_TRUE(bytes) << path;
+    return bytes ? *bytes : "";
+}
+
+// Naive: each piece meters its own first frame, counts from 0, and begins at the start of the path.
+TEST(LocalProgram, pieces_of_a_film_are_its_frames) {
+    const std::string path = folder().write("way.csv", "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg\n"
+                                                       "0,0,0,12,215,-6\n0.3,9,0,30,200,-20\n");
+    const std::string film = "--scene " + small_gale() + " --offscreen 64x48 --time 7.3 --fps " +
+                             "24000/1001 --path " + path + " --out " + folder().file("");
+    const Outcome whole = view(film + "whole##.png --frames 5");
+    ASSERT_EQ(whole.code, 0) << whole.text;
+    const std::string metered = " --exposure ";
+    const std::size_t at = whole.text.find(metered);
+    ASSERT_NE(at, std::string::npos) << whole.text;
+    const std::string exposure = whole.text.substr(at, whole.text.find('\n', at) - at);
+    for (const char* piece : {"0 --frames 2", "2 --frames 1", "3 --frames 2"}) {
+        const Outcome drawn = view(film + "piece##.png --first " + piece + exposure);
+        ASSERT_EQ(drawn.code, 0) << drawn.text;
+        EXPECT_EQ(drawn.text.find(metered), std::string::npos) << "it was given";
+    }
+    for (const char* frame : {"00", "01", "02", "03", "04"})
+        EXPECT_EQ(bytes_of(folder().file(std::string("piece") + frame + ".png")) ==
+                      bytes_of(folder().file(std::string("whole") + frame + ".png")),
+                  true)
+            << frame;
+    EXPECT_NE(bytes_of(folder().file("whole02.png")), bytes_of(folder().file("whole03.png")));
+    const Outcome numbered = view(film + "single.png --first 3 --frames 1" + exposure);
+    EXPECT_EQ(numbered.code, 0) << numbered.text;
+    EXPECT_THAT(numbered.text, HasSubstr("single-0003.png t=7.425")); // 3 * 1001 / 24000 later
+}
+
+// A stand-in for ffmpeg puts what it is given where it is told to; the film would take an hour.
+TEST(LocalProgram, a_film_that_is_ended_by_a_signal_leaves_the_one_that_was_there) {
+    const std::string coder = folder().write("ffmpeg", "#!/bin/sh\nfor to; do :; done\n"
+                                                       "exec cat > \"${to#file:}\"\n");
+    std::filesystem::permissions(coder, std::filesystem::perms::owner_all);
+    const std::string film = folder().write("storm.mp4", "old");
+    const std::string command = "--scene " + small_gale() +
+                                " --offscreen 64x48 --frames 100000 --out " + film +
+                                " >/dev/null & pid=$!; while kill -0 $pid && [ ! -s " + film +
+                                ".part ]; do sleep 0.02; done; kill -TERM $pid; wait $pid";
+    const char* old_path = std::getenv("PATH");
+    const std::string path = old_path == nullptr ? "" : old_path;
+    ::setenv("PATH", (std::filesystem::path(coder).parent_path().string() + ":" + path).c_str(), 1);
+    const Outcome ended = view(command);
+    ::setenv("PATH", path.c_str(), 1);
+    EXPECT_EQ(ended.code, 128 + SIGTERM) << ended.text;
+    EXPECT_EQ(bytes_of(film), "old");
+    EXPECT_FALSE(std::filesystem::exists(film + ".part"));
 }
 
 TEST(LocalProgram, measures_passes_and_shows_every_view) {

@@ -159,6 +159,19 @@ TEST_P(LocalSeaTest, has_the_maps_that_this_processor_would_copy_there) {
         }
 }
 
+// What the picture needs beside maps, against the scene's file: green water, two metres of it, and a floor.
+TEST_P(LocalSeaTest, lies_in_the_water_and_as_deep_as_its_scene_says) {
+    const server::RunningSeaPtr running = scene(SEAWAY_SOURCE_DIR "/scenes/shallow_lagoon.toml");
+    const SeaFrame frame = frame_of(*open(running), time_us);
+    EXPECT_EQ(frame.depth_m, 2.0);
+    EXPECT_EQ(frame.water, running->scene.water);
+    EXPECT_NE(frame.water, sea::Water{}) << "else one that was never set would do";
+    EXPECT_EQ(frame.reach_m, running->budget.displacement_reach_m);
+    EXPECT_GT(frame.reach_m, 0);
+    EXPECT_EQ(frame.choppiness.x, 1.0);
+    EXPECT_EQ(frame.time_us, time_us);
+}
+
 TEST_P(LocalSeaTest, is_made_without_a_copy_out_of_the_device_or_into_it) {
     const std::unique_ptr<LocalSea> sea = open(scene());
     client::Renderer drawn = renderer();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line of the server: every option away from its default, and what makes no sense.
 #include <algorithm>
+#include <chrono>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -40,7 +41,6 @@ TEST(ServerOptions, each_goes_where_it_says_and_has_its_default) {
                   bare.net.client_token_file + bare.net.health_listen,
               "");
     EXPECT_TRUE(bare.net.allowed_origins.empty());
-    EXPECT_EQ(bare.net.connections_per_address, 320);
     EXPECT_EQ(bare.readback, "exact");
     EXPECT_FALSE(bare.validation);
     EXPECT_EQ(bare.memory_mb, 0) << "what the sea needs";
@@ -117,6 +117,20 @@ TEST(ServerOptions, a_journal_of_the_command_line_wins_over_that_of_a_file_whate
     const auto both = options_of({"a.toml", "--journal", "a", "--data-dir", "b"}, &said);
     EXPECT_FALSE(std::holds_alternative<Options>(both));
     EXPECT_NE(said.find("both say where the journal is"), std::string::npos) << said;
+}
+
+// The numbers of docs/security.md, and of docs/operations.md where they have a flag.
+TEST(ServerOptions, limits_are_by_default_what_the_page_on_security_says) {
+    const auto plain = options_of({"a.toml"});
+    ASSERT_TRUE(std::holds_alternative<Options>(plain));
+    const NetOptions& net = std::get<Options>(plain).net;
+    EXPECT_EQ(net.connections_per_address, 320);
+    EXPECT_EQ(net.sessions_without_hello_per_address, 32);
+    EXPECT_EQ(net.wrong_tokens_per_address, 10);
+    EXPECT_EQ(net.wrong_tokens_refill, std::chrono::minutes(1));
+    EXPECT_EQ(net.request_bytes_per_s_per_address, 32.0 * 1024 * 1024);
+    EXPECT_EQ(net.hello_deadline, std::chrono::seconds(2));
+    EXPECT_EQ(net.http_deadline, std::chrono::seconds(10));
 }
 
 TEST(ServerOptions, limits_of_addresses_and_pages_that_may_come_each_have_a_flag) {

@@ -70,7 +70,7 @@ class ServedWebSocketTest : public ::testing::Test {
                                            answer.append(chunk.data(), bytes);
                                            gone = static_cast<bool>(error);
                                            in_order = error == asio::error::eof;
-                                           if (!error)
+                                           if (!error && listens)
                                                listen();
                                        });
     }
@@ -97,6 +97,7 @@ class ServedWebSocketTest : public ::testing::Test {
     std::array<char, 4096> chunk{};
     std::string answer;
     bool gone = false;
+    bool listens = true;
     bool in_order = false;
     std::vector<FrameBytes> heard;
     std::size_t read_max = 1'000'000;
@@ -164,6 +165,87 @@ TEST_F(ServedWebSocketTest, a_flood_of_pings_to_which_nobody_listens_leaves_one_
          at = answer.find("\x8a\x02p", at + 1))
         ++pongs;
     EXPECT_LE(pongs, 5000u / 600u) << "a few for each arrival, not one for each ping";
+}
+
+/// From now on the peer takes nothing, and the system has room for nothing more.
+class ServedWebSocketNobodyReads : public ServedWebSocketTest {
+  protected:
+    void fill() {
+        listens = false;
+        const std::vector<std::span<const std::uint8_t>> spans(300, message);
+        ASSERT_FALSE(server->begin(spans));
+        go_on();
+        for (int before = -1; before != pieces;) { // the system makes more room for a while
+            before = pieces;
+            run_for(std::chrono::milliseconds(100));
+        }
+    }
+    /// One piece after another, so that one is always under way.
+    void go_on() {
+        server->finish([this](const Result<bool>& all) {
+            ++pieces;
+            if (all && !*all)
+                go_on();
+        });
+    }
+    int pieces = 0;
+    void run_for(std::chrono::milliseconds time) {
+        pair->io.restart();
+        pair->io.run_for(time);
+    }
+    const FrameBytes ping = client_frame(FrameBytes{'p'}, {.opcode = 9});
+    const FrameBytes message = FrameBytes(90'000, 'm');
+};
+
+// Naive: each ping is read, and renews the patience with a peer that has taken nothing for hours.
+TEST_F(ServedWebSocketNobodyReads, who_takes_no_answers_is_not_read_from_until_he_does) {
+    fill();
+    read_all();
+    say(ping);
+    run_for(std::chrono::milliseconds(50));
+    say(client_frame(FrameBytes{'a'}));
+    run_until([&] { return heard.size() == 1; }); // one answer lies there
+    say(ping);
+    run_for(std::chrono::milliseconds(50));
+    say(client_frame(FrameBytes{'b'}));
+    run_for(std::chrono::milliseconds(200));
+    EXPECT_EQ(heard.size(), 1u) << "and one more";
+    listens = true;
+    listen();
+    run_until([&] { return heard.size() == 2; });
+    EXPECT_FALSE(end);
+}
+
+TEST_F(ServedWebSocketNobodyReads, who_pings_without_end_and_takes_no_answer_is_given_up) {
+    accept(std::chrono::milliseconds(400));
+    fill();
+    read_all();
+    asio::steady_timer again(pair->io);
+    const std::function<void(error_code)> say_again = [&](error_code) {
+        if (end)
+            return;
+        say(ping);
+        again.expires_after(std::chrono::milliseconds(20));
+        again.async_wait(say_again);
+    };
+    say_again({});
+    run_until([&] { return end.has_value(); });
+    ASSERT_TRUE(end);
+    EXPECT_TRUE(end->is(WebSocketEnd::unread)) << end->message;
+    EXPECT_EQ(end->message, "pings and pongs could not be sent within 400 ms");
+}
+
+TEST_F(ServedWebSocketNobodyReads, who_is_closed_while_he_is_not_read_from_ends_with_an_error) {
+    fill();
+    read_all();
+    say(ping);
+    run_for(std::chrono::milliseconds(50));
+    say(ping);
+    run_for(std::chrono::milliseconds(50));
+    server->socket().close();
+    EXPECT_FALSE(end) << "never within the call";
+    run_until([&] { return end.has_value(); });
+    EXPECT_TRUE(end->is(WebSocketEnd::broken)) << end->message;
 }
 
 // Of 27 MB some 64 KiB at a time, whole messages: so that who sends can tell a slow reader from one that has stopped.

@@ -92,6 +92,26 @@ TEST_F(WebSocketTest, a_server_that_declines_says_why_in_the_first_line_of_its_p
                                        "sessions,?[2J try again");
 }
 
+TEST_F(WebSocketTest, a_server_that_declines_for_a_while_says_when_to_come_again) {
+    answer("HTTP/1.1 503 Service Unavailable\r\nRetry-After: 7\r\nContent-Length: 0\r\n\r\n");
+    ASSERT_TRUE(shaken && !*shaken);
+    EXPECT_EQ(shaken->error().retry_after_ms, 7000u);
+}
+
+TEST_F(WebSocketTest, a_time_to_come_again_that_is_no_number_of_seconds_is_none) {
+    answer("HTTP/1.1 503 Service Unavailable\r\nRetry-After: Fri, 31 Dec 1999 23:59:59 GMT\r\n"
+           "Content-Length: 0\r\n\r\n");
+    ASSERT_TRUE(shaken && !*shaken);
+    EXPECT_EQ(shaken->error().retry_after_ms, 0u);
+}
+
+TEST_F(WebSocketTest, a_time_to_come_again_beyond_all_numbers_is_the_largest) {
+    answer("HTTP/1.1 503 Service Unavailable\r\nRetry-After: 99999999999\r\n"
+           "Content-Length: 0\r\n\r\n");
+    ASSERT_TRUE(shaken && !*shaken);
+    EXPECT_EQ(shaken->error().retry_after_ms, 4'294'967'000u);
+}
+
 TEST_F(WebSocketTest, what_speaks_no_http_is_no_server) {
     answer("220 mail.example.org ESMTP\r\n\r\n");
     ASSERT_TRUE(shaken && !*shaken);

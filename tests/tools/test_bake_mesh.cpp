@@ -76,8 +76,9 @@ TEST(Bake, mesh_lies_on_the_surface_and_repeats_without_a_gap) {
         EXPECT_NEAR(v.position[0], x * 401.0 / 64 + 1.2 * p.displacement_x, 2e-4);
         EXPECT_NEAR(v.position[1], y * 401.0 / 64 + 0.8 * p.displacement_y, 2e-4);
         EXPECT_NEAR(v.position[2], p.height, 2e-4);
-        EXPECT_EQ(v.texture[0], static_cast<float>(x) / 64); // one tile, 0 .. 1
-        EXPECT_EQ(v.texture[1], static_cast<float>(y) / 64);
+        // The middle of the pixel of the map beside it; a repeated texture begins anew on the seam.
+        EXPECT_EQ(v.texture[0], (static_cast<float>(x) + 0.5f) / 64);
+        EXPECT_EQ(v.texture[1], (static_cast<float>(y) + 0.5f) / 64);
         const sea::QueryPoint point{v.position[0], v.position[1], 7'000'000};
         const sea::Answer there = sea::surface_at(point, {{1.2, 0.8}, 1e-9, {}}, now);
         for (int axis = 0; axis < 3; ++axis) // the same surface as a query finds
@@ -154,8 +155,8 @@ TEST(Bake, obj_holds_the_mesh_of_the_summed_sea_with_y_up) {
         EXPECT_NEAR(point[1], p.height, 0.02);
         EXPECT_NEAR(point[2], -(y * 401.0 / 64 + 0.8 * p.displacement_y), 0.02);
         const auto& texture = textures[static_cast<std::size_t>(y * 64 + x)];
-        EXPECT_NEAR(texture[0], x / 64.0, 1e-6);
-        EXPECT_NEAR(texture[1], y / 64.0, 1e-6);
+        EXPECT_NEAR(texture[0], (x + 0.5) / 64, 1e-6);
+        EXPECT_NEAR(texture[1], (y + 0.5) / 64, 1e-6);
         // d/dX x d/dY of (east, north, up), told as (east, up, south). Where derivatives count, splines
         // miss a few hundredths.
         const double a = 1 + 1.2 * p.strain_xx, d = 1 + 0.8 * p.strain_yy;

@@ -15,9 +15,11 @@
 #pragma GCC diagnostic ignored "-Wold-style-cast"
 #pragma GCC diagnostic ignored "-Wshadow"
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #pragma GCC diagnostic pop
 
 #include "sea/basics/field.h"
@@ -88,6 +90,26 @@ std::string draw(const std::string& device) {
                                                                   device + " --images " + out);
     EXPECT_EQ(ran.status, 0) << ran.err;
     return out + "/cascade0_";
+}
+
+// Pictures have north up, files the south first: who compares the two is told.
+TEST(Images, the_files_beside_the_pictures_say_which_line_is_the_north) {
+    const std::string stem = draw("native");
+    const auto text = [&](const char* name, const char* attribute) {
+        const Imf::InputFile file((stem + name + ".exr").c_str());
+        const auto* found = file.header().findTypedAttribute<Imf::StringAttribute>(attribute);
+        return found != nullptr ? found->value() : "none";
+    };
+    for (const char* name : {"height", "h"}) {
+        EXPECT_EQ(text(name, "seaway.rows"), "south to north");
+        EXPECT_EQ(text(name, "seaway.time_us"), "12500000");
+        const Imf::InputFile file((stem + name + ".exr").c_str());
+        EXPECT_EQ(file.header().typedAttribute<Imf::DoubleAttribute>("seaway.length_m").value(),
+                  301.0);
+    }
+    EXPECT_EQ(text("h0", "seaway.rows"), "south to north");
+    EXPECT_EQ(text("h0", "seaway.time_us"), "none") << "it is of no time";
+    EXPECT_EQ(text("columns_h", "seaway.rows"), "none") << "as it lies in memory";
 }
 
 TEST(Images, h0_is_the_realised_spectrum_and_h_its_sum_of_both_ways_at_the_time) {

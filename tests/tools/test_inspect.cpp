@@ -407,6 +407,7 @@ TEST(Inspect, every_mistake_is_one_line_on_stderr_and_exit_status_2) {
         {"negative frequency", gale + " --spectrum 1,-1", "1,-1"},
         {"empty list", gale + " --spectrum ''", "--spectrum"},
         {"no name for the plot", gale + " --plot ''", "--plot"},
+        {"a plot of another kind", gale + " --plot " + folder().file("x.jpg"), "ends in .png"},
         {"no points", gale + " --eval ''", "--eval"},
         {"a form of points", gale + " --format json --eval -", "--format"},
         {"a picture before nonsense", gale + " --plot /nowhere/p.png --spectrum abc", "--spectrum"},

@@ -44,7 +44,7 @@ class Baker {
           server::Synthesizer& synthesizer)
         : sea_(std::move(sea)), options_(options), synthesizer_(synthesizer) {
         if (options_.fields.contains(Field::foam))
-            law_ = sea::make_foam_law(scene, *sea_);
+            law_ = sea::foam_law_of(scene, *sea_);
         files_.emplace(law_ ? sea::with_threshold(scene, *law_) : scene, *sea_, options_,
                        law_.get());
         if (!law_)
@@ -98,8 +98,10 @@ class Baker {
         if (!options_.stops())
             return {};
         return Error{BakeError::stopped,
-                     fmt::format("stopped by a signal: {} of {} frames are whole", report_.frames,
-                                 options_.frames)};
+                     fmt::format("stopped by a signal: {} of {} frames are whole; --first {} "
+                                 "--frames {} goes on",
+                                 report_.frames, options_.frames, options_.first + report_.frames,
+                                 options_.frames - report_.frames)};
     }
 
     /// The frame's own strains are at hand; those of the ticks before it are asked for.
@@ -131,10 +133,16 @@ class Baker {
             SEAWAY_TRY(go_on());
             return files_->write(frame, fmt::format("sea.{:05}", frame), sea, foam);
         }
+        // A sea that never breaks has no average that a ratio could be of.
+        const auto ratios = [&](std::size_t c) {
+            if (law_->calm())
+                none_.assign(keyframes[c]->plane_size(), 0.0f);
+            return law_->calm() ? std::span<const float>(none_) : foam_[c].ratios();
+        };
         for (std::size_t c = 0; c < keyframes.size(); ++c) {
             SEAWAY_TRY(go_on());
             SEAWAY_TRY(files_->write(frame, fmt::format("cascade{}.{:05}", c, frame), *keyframes[c],
-                                     foam_.empty() ? std::span<const float>() : foam_[c].ratios()));
+                                     foam_.empty() ? std::span<const float>() : ratios(c)));
         }
         return {};
     }
@@ -144,6 +152,7 @@ class Baker {
     server::Synthesizer& synthesizer_;
     sea::FoamLawPtr law_; ///< null without foam
     std::vector<sea::FoamHistory> foam_;
+    std::vector<float> none_; ///< a map of no foam
     std::optional<TileFiles> files_;
     BakeReport report_;
 };
@@ -154,18 +163,26 @@ Result<void> validate(const BakeOptions& options) {
     };
     if (options.frames < 1 || options.frames > frames_max)
         return refused(fmt::format("--frames {}: 1 .. {}", options.frames, frames_max));
-    if (!(options.fps > 0 && options.fps <= fps_max))
-        return refused(fmt::format("--fps {}: above 0, up to {}", options.fps, fps_max));
+    if (options.first < 0 || options.first > frames_max - options.frames)
+        return refused(fmt::format("--first {} --frames {}: frames are numbered 0 .. {}",
+                                   options.first, options.frames, frames_max - 1));
     const double start_s = sea::seconds_from_us(options.start_us);
-    const double last_s = start_s + (options.frames - 1) / options.fps;
+    const double last_s = start_s + options.rate.offset_s(options.first + options.frames - 1);
     if (!(std::abs(start_s) <= time_max_s && last_s <= time_max_s))
         return refused(fmt::format("--start {} --frames {} --fps {}: frames from {:g} to {:g} s; "
                                    "allowed: {:g} .. {:g} s",
-                                   start_s, options.frames, options.fps, start_s, last_s,
+                                   start_s, options.frames, options.rate.text(), start_s, last_s,
                                    -time_max_s, time_max_s));
     if (options.fields.empty())
         return refused("--fields: none is left");
     return {};
+}
+
+/// A size that the device does not make is of the options; the native device's only error is of that, and has no kind.
+Error of_device(const Error& error) {
+    const bool asked_for =
+        error.is(server::DeviceError::cannot_do_this_sea) || error.is(ErrorKind{});
+    return asked_for ? Error{BakeError::bad_options, error.message} : error;
 }
 
 } // namespace
@@ -198,12 +215,18 @@ Result<FieldSet> parse_fields(const std::string& list) {
 }
 
 TimeUs frame_time(const BakeOptions& options, int frame) {
-    return options.start_us + sea::us_from_seconds(frame / options.fps);
+    return options.start_us + options.rate.offset_us(frame);
 }
 
 Result<BakeReport> bake(const sea::Scene& scene, const BakeOptions& options,
                         server::Synthesizer& synthesizer) {
     SEAWAY_TRY(validate(options));
+    if (options.fields.contains(Field::foam) && !sea::has_foam(scene.effects))
+        return Error{BakeError::bad_options,
+                     fmt::format("--fields: foam, but [effects] has {} in {}",
+                                 scene.effects.foam ? "displacement height, where nothing breaks,"
+                                                    : "no foam",
+                                 scene.source)};
     if (!scene.weather.empty())
         return Error{BakeError::bad_options,
                      fmt::format("{}: it has a timetable ([[weather]]): seas that change are a "
@@ -214,14 +237,15 @@ Result<BakeReport> bake(const sea::Scene& scene, const BakeOptions& options,
     if (!realized)
         return Error{BakeError::bad_options, realized.error().message};
     const auto sea = std::make_shared<const sea::Realization>(std::move(realized).value());
-    SEAWAY_TRY(synthesizer.set_sea(sea, 1));
+    if (const Result<void> taken = synthesizer.set_sea(sea, 1); !taken)
+        return of_device(taken.error());
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
     if (error)
         return Error{fmt::format("--out {}: {}", options.folder, error.message())};
     Baker baker(scene, sea, options, synthesizer);
-    for (int frame = 0; frame < options.frames; ++frame)
-        SEAWAY_TRY(baker.frame(frame));
+    for (int i = 0; i < options.frames; ++i)
+        SEAWAY_TRY(baker.frame(options.first + i));
     BakeReport report = baker.report();
     report.total_s = watch.lap_s();
     return report;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes a sea into OpenEXR maps: frame after frame, one file a cascade, by any synthesizer.
 //
-// File DIR/cascade<c>.<frame, five digits>.exr, frame 0 at start_us; with `summed` one DIR/sea.<frame>.exr
+// File DIR/cascade<c>.<frame, five digits>.exr, frame n at start_us + n / rate; with `summed` one DIR/sea.<frame>.exr
 // of all cascades together. Channels are named after their fields (sea/basics/field.h) and carry no
 // choppiness: D is the displacement at choppiness 1, the attributes say by what to multiply. `foam` is
 // the ratio of sea/foam/foam.h, of the summed sea its coverage. With `vectors` the channels are R, G, B:
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "client/view/frame_times.h"
 #include "sea/basics/field.h"
 #include "sea/scene/scene.h"
 #include "server/device/synthesizer.h"
@@ -22,8 +23,8 @@
 
 namespace seaway::bake {
 
-inline constexpr int frames_max = 1'000'000;
-inline constexpr double fps_max = 1000.0;
+using client::FrameRate;
+using client::frames_max;
 /// Frames are within this of the sea's epoch, the first as the last.
 inline constexpr double time_max_s = 1e9;
 
@@ -31,11 +32,13 @@ inline constexpr double time_max_s = 1e9;
 enum class BakeError { bad_options = 1, stopped };
 
 struct BakeOptions {
-    std::string folder;       ///< made if it is not there
-    int frames = 1;           ///< 1 .. frames_max
-    double fps = 24.0;        ///< above 0, up to fps_max
-    sea::TimeUs start_us = 0; ///< this and the last frame's within time_max_s
-    sea::FieldSet fields;     ///< not empty
+    std::string folder; ///< made if it is not there
+    int frames = 1;     ///< 1 .. frames_max
+    int first = 0;      ///< number of the first; all are below frames_max
+    FrameRate rate{.frames = 24};
+    sea::TimeUs start_us = 0; ///< of frame 0; this and the last frame's within time_max_s
+    /// Not empty; with foam only where the scene has it.
+    sea::FieldSet fields;
     bool half = false;
     exr::ExrCompression compression = exr::ExrCompression::none;
     bool summed = false;   ///< the sea on the longest tile's square, not its cascades
@@ -63,7 +66,7 @@ sea::FieldSet all_fields();
 /// that are.
 Result<sea::FieldSet> parse_fields(const std::string& list);
 
-/// Sea time of a frame, to the microsecond, without drift.
+/// Sea time of frame n, to the microsecond, without drift.
 sea::TimeUs frame_time(const BakeOptions& options, int frame);
 
 /// Bakes; an error names what is out of range, the file that cannot be written or the device that

@@ -20,6 +20,7 @@
 #include "base/stop_wanted.h"
 #include "base/text_file.h"
 #include "sea/certificate/certificate.h"
+#include "sea/foam/foam_law.h"
 #include "server/device/device_choice.h"
 #include "tools/bake/bake.h"
 #include "tools/bake/tile_files.h"
@@ -39,6 +40,7 @@ struct Options {
     std::string scene;
     std::string device = "native";
     std::string fields = default_fields;
+    std::string fps;
     std::string compression = "none";
     std::string channels = "names";
     std::string mesh = "none";
@@ -53,7 +55,12 @@ void declare(CommandLine& line, Options& o) {
     line.option("scene", o.scene, "Scene file (docs/scenes.md)").required().takes("SCENE.toml");
     line.option("--out", o.bake.folder, "Folder for the files").required().takes("DIR");
     line.option("--frames", o.bake.frames, "How many").required().takes("N");
-    line.option("--fps", o.bake.fps, "Frames a second of sea time").required().takes("F");
+    line.option("--first", o.bake.first, "Number of the first of them, of a film in pieces")
+        .shows_default()
+        .takes("N");
+    line.option("--fps", o.fps, "Frames a second of sea time, also N/D as 24000/1001")
+        .required()
+        .takes("F");
     line.option("--start", o.start_s, "Sea time of frame 0")
         .takes("SECONDS")
         .between(-bake::time_max_s, bake::time_max_s);
@@ -124,9 +131,14 @@ int run(Options& options) {
         return fail(exit_usage, certificate.error().message);
     for (sea::CascadeSpec& cascade : scene->cascades)
         cascade.size = options.size > 0 ? options.size : cascade.size;
-    const Result<sea::FieldSet> fields = bake::parse_fields(options.fields);
+    Result<sea::FieldSet> fields = bake::parse_fields(options.fields);
     if (!fields)
         return fail(exit_usage, fields.error().message);
+    if (options.fields == "all" && !sea::has_foam(scene->effects))
+        fields = sea::FieldSet::from_bits(fields->bits() & ~sea::FieldSet{sea::Field::foam}.bits());
+    const Result<bake::FrameRate> rate = client::parse_frame_rate("--fps", options.fps);
+    if (!rate)
+        return fail(exit_usage, rate.error().message);
     const Result<exr::ExrCompression> compression = exr::exr_compression(options.compression);
     if (!compression)
         return fail(exit_usage, compression.error().message);
@@ -138,6 +150,7 @@ int run(Options& options) {
     options.bake.up = options.up == "y" ? bake::UpAxis::y : bake::UpAxis::z;
     options.bake.north_up = options.top == "north";
     options.bake.fields = *fields;
+    options.bake.rate = *rate;
     options.bake.compression = *compression;
     options.bake.start_us = sea::us_from_seconds(options.start_s);
     options.bake.stops = [] { return stop_wanted().load(); };

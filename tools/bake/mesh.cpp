@@ -63,8 +63,12 @@ class MeshBuilder {
         const auto normal = turned(options_.up, east * scale, north * scale, up * scale);
         return {{position[0], position[1], position[2]},
                 {normal[0], normal[1], normal[2]},
-                {static_cast<float>(x) / static_cast<float>(tile_.size),
-                 static_cast<float>(y) / static_cast<float>(tile_.size)}};
+                {texture(x), texture(y)}};
+    }
+
+    /// The middle of the pixel that has this point in the tile's own maps; beyond 1 on the seam, where textures repeat.
+    float texture(int point) const {
+        return (static_cast<float>(point) + 0.5f) / static_cast<float>(tile_.size);
     }
 
     const sea::Keyframe& tile_;

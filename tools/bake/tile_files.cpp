@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bake/tile_files.h"
 
-#include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "sea/scene/scene_names.h"
 #include "sea/waves/statistics/moments.h"
 #include "tools/bake/summed.h"
 
@@ -19,9 +18,9 @@ using sea::Field;
 
 namespace {
 
-double degrees_from(double towards_rad) {
-    const double degrees = 270.0 - towards_rad * 180.0 / std::numbers::pi;
-    return degrees - 360.0 * std::floor(degrees / 360.0);
+/// A flat sea comes from nowhere: 0, as its other numbers.
+double from_deg(const sea::SeaStatistics& s) {
+    return s.significant_height_m > 0.0 ? sea::bearing_from_towards(s.mean_towards_rad) : 0.0;
 }
 
 /// What is the same for every file.
@@ -40,7 +39,7 @@ std::vector<ExrAttribute> sea_attributes(const sea::Scene& scene, const sea::Rea
         {"seaway.tp_s", s.peak_period_s},
         {"seaway.tz_s", s.zero_crossing_period_s},
         {"seaway.tm01_s", s.mean_period_s},
-        {"seaway.mean_from_deg", degrees_from(s.mean_towards_rad)},
+        {"seaway.mean_from_deg", from_deg(s)},
         {"seaway.requested_hs_m", summary.requested.significant_height_m},
         {"seaway.requested_tp_s", summary.requested.peak_period_s},
         {"seaway.choppiness_x", sea.choppiness.x},
@@ -128,7 +127,7 @@ std::vector<ExrAttribute> TileFiles::attributes(int frame, const sea::Keyframe& 
     add("seaway.frame", frame);
     add("seaway.time_s", sea::seconds_from_us(tile.time_us));
     all.emplace_back("seaway.time_us", std::to_string(tile.time_us));
-    add("seaway.tick_s", 1.0 / options_.fps);
+    add("seaway.tick_s", options_.rate.frame_s());
     if (options_.vectors)
         all.emplace_back("seaway.axes",
                          options_.up == UpAxis::z ? "east, north, up" : "east, up, south");

@@ -90,7 +90,11 @@ Result<void> save_array(const Array2d& array, const std::string& path) {
     exr::ExrMap map;
     map.width = array.columns;
     map.height = array.rows;
-    map.attributes = {{"seaway.title", array.title}};
+    map.attributes = {{"seaway.title", array.title}, {"seaway.length_m", array.length_m}};
+    if (array.north_up)
+        map.attributes.emplace_back("seaway.rows", "south to north");
+    if (array.time_us)
+        map.attributes.emplace_back("seaway.time_us", std::to_string(*array.time_us));
     std::vector<float> parts[2];
     if (array.complex) {
         for (std::size_t i = 0; i < array.values.size(); ++i)

@@ -46,6 +46,7 @@ class ImageWriter {
                       .values = h0};
         SEAWAY_TRY(write(cascade, "h0", array));
         array.title = fmt::format("h(k,t), m, t = {} s", sea::seconds_from_us(options_.time_us));
+        array.time_us = options_.time_us;
         array.values = h;
         return write(cascade, "h", array);
     }
@@ -59,6 +60,7 @@ class ImageWriter {
                                 .rows = stage.rows,
                                 .columns = stage.columns,
                                 .complex = stage.complex,
+                                .time_us = request.time_us,
                                 .values = stage.values};
             SEAWAY_TRY(write(cascade, file_words(stage.pass + "_" + stage.name), array));
         }
@@ -73,6 +75,7 @@ class ImageWriter {
                                 .columns = keyframe.size,
                                 .middle = field == sea::Field::jacobian ? 1.0 : 0.0,
                                 .north_up = true,
+                                .time_us = keyframe.time_us,
                                 .values = keyframe.plane(field)};
             SEAWAY_TRY(
                 write(static_cast<std::size_t>(keyframe.cascade), std::string(row.name), array));
@@ -94,6 +97,7 @@ class ImageWriter {
     Result<void> write(std::size_t cascade, const std::string& name, Array2d array) {
         array.title = fmt::format("cascade {} ({:g} m), {}", cascade,
                                   sea_.cascades[cascade].spec.length_m, array.title);
+        array.length_m = sea_.cascades[cascade].spec.length_m;
         const std::string stem = fmt::format("{}/cascade{}_{}", options_.folder, cascade, name);
         SEAWAY_TRY(draw_array(array, stem + ".png"));
         SEAWAY_TRY(save_array(array, stem + ".exr"));

@@ -5,7 +5,7 @@
 // DIR/cascade<c>_<stage>[_<of what>].png is scaled to what it holds, with the scale in the picture; the
 // .exr beside it has the numbers themselves, complex ones as channels re and im. Spectra are shown as
 // magnitudes on a logarithmic scale; h0 and h are turned so that k = 0 is in the middle, north up, and
-// the stages of a device are drawn as they lie in its memory. Maps have north up, too.
+// the stages of a device are drawn as they lie in its memory. Maps have north up, too. In an .exr the south is first (seaway.rows).
 #pragma once
 
 #include <string>

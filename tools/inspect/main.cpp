@@ -93,6 +93,8 @@ Result<std::string> run(const Options& options) {
     if (!scene)
         return scene.error();
     SEAWAY_TRY(check_steady(*scene, options));
+    if (!options.plot.empty() && !options.plot.ends_with(".png"))
+        return Error{fmt::format("--plot {}: a path that ends in .png", options.plot)};
     std::vector<double> omegas;
     if (!options.spectrum.empty()) {
         SEAWAY_TRY_LET(omegas, frequencies(options.spectrum));

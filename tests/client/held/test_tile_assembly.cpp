@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -131,6 +136,45 @@ TEST(TileAssembly, h2_mixed_copies_make_one_keyframe_and_are_both_acknowledged) 
     EXPECT_FALSE(add(assembly, rate, pair_fields, {pair_fields}).complete);
     // A later copy that is whole is handed out, and acknowledged, again.
     EXPECT_TRUE(add(assembly, height, pair_fields).acknowledge);
+}
+
+// 300 orders by lot of the parts of two keyframes, each once to three times.
+TEST(TileAssembly, h2_parts_in_any_order_and_twice_make_a_keyframe_when_the_last_has_come) {
+    std::vector<std::pair<std::uint64_t, Part>> parts;
+    for (const std::uint64_t keyframe : {1u, 2u})
+        for (const Field field : pair_fields)
+            for (const Part& part :
+                 parts_of(field, 32, 16, keyframe, static_cast<sea::TimeUs>(keyframe) * 100'000))
+                parts.emplace_back(keyframe, part);
+    ASSERT_EQ(parts.size(), 16u);
+    std::mt19937 random(3);
+    for (int order = 0; order < 300; ++order) {
+        std::vector<std::size_t> coming;
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            coming.insert(coming.end(), 1 + random() % 3, i);
+        std::shuffle(coming.begin(), coming.end(), random);
+        TileAssembly assembly;
+        std::map<std::uint64_t, std::set<std::size_t>> there; // since it was last whole
+        int whole = 0;
+        for (const std::size_t i : coming) {
+            const auto& [keyframe, part] = parts[i];
+            there[keyframe].insert(i);
+            const HeldKeyframePtr complete = add(assembly, part, pair_fields).complete;
+            ASSERT_EQ(complete != nullptr, there[keyframe].size() == 8) << "order " << order;
+            if (!complete)
+                continue;
+            ++whole;
+            there[keyframe].clear();
+            ASSERT_EQ(complete->keyframe().time_us, static_cast<sea::TimeUs>(keyframe) * 100'000);
+            for (const Field field : pair_fields)
+                for (int at = 0; at < 32 * 32; at += 37)
+                    ASSERT_LE(
+                        std::abs(complete->keyframe().plane(field)[static_cast<std::size_t>(at)] -
+                                 sample(field, at % 32, at / 32)),
+                        bound);
+        }
+        ASSERT_GE(whole, 2);
+    }
 }
 
 TEST(TileAssembly, a_request_for_more_fields_gets_them_though_the_stream_was_served_first) {

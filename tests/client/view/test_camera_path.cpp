@@ -98,6 +98,23 @@ TEST(CameraPath, a_turntable_looks_at_one_point_from_all_sides) {
         << "around a point 100 m ahead, north: after half of it from the other side";
 }
 
+// Differences of times are divided by: what overflows or vanishes there is a camera that is nowhere.
+TEST(CameraPath, what_is_taken_is_a_camera_in_its_ranges_at_every_time) {
+    const std::string head = "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg\n";
+    for (const char* rows : {"-1e12,1e7,1e7,20000,36000,89\n1e12,-1e7,-1e7,-50,-36000,-89\n",
+                             "-1,0,0,10,0,0\n0,1e7,0,20000,170,89\n1e-6,-1e7,0,-50,0,-89\n",
+                             "0,0,0,10,0,0\n0.000001,1,0,10,0,0\n0.000002,2,0,10,0,0\n"}) {
+        const CameraPath path = path_of(head + rows);
+        for (const double t_s : {-1e300, -1e12, -0.5, 0.0, 5e-7, 1e-6, 1e12, 1e300}) {
+            const Camera camera = path.at(t_s);
+            EXPECT_TRUE(std::abs(camera.x_m) <= 1e7 && std::abs(camera.y_m) <= 1e7) << t_s;
+            EXPECT_TRUE(camera.z_m >= -50 && camera.z_m <= 20000) << t_s;
+            EXPECT_TRUE(std::isfinite(camera.yaw_deg) && std::abs(camera.pitch_deg) <= 89) << t_s;
+        }
+    }
+    EXPECT_NE(error_of(head + "-1,0,0,10,0,0\n0,1,0,10,0,0\n3e-308,2,0,10,0,0\n"), "none");
+}
+
 TEST(CameraPath, says_which_row_is_wrong_and_why) {
     const std::string head = "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg\n";
     EXPECT_THAT(error_of("t_s,x_m,y_m,yaw_deg,pitch_deg\n0,0,0,0,0\n"),
@@ -105,6 +122,13 @@ TEST(CameraPath, says_which_row_is_wrong_and_why) {
     EXPECT_THAT(error_of("x_m,y_m,z_m,yaw_deg,pitch_deg\n0,0,5,0,0\n"), HasSubstr("no column t_s"));
     EXPECT_THAT(error_of(head + "0,0,0,10,0,0\n0,1,0,10,0,0\n"),
                 HasSubstr("path.csv:3: t_s 0 does not lie after the row before, 0"));
+    EXPECT_THAT(
+        error_of(head + "0,0,0,10,0,0\n1e-7,1,0,10,0,0\n"),
+        HasSubstr("path.csv:3: t_s 1e-07 is 1e-07 s after the row before; at least 1e-06 s"));
+    EXPECT_THAT(error_of(head + "-1e308,0,0,10,0,0\n1e308,1,0,10,0,0\n"),
+                HasSubstr("path.csv:2: t_s -1e+308: -1e+12 .. 1e+12"));
+    EXPECT_THAT(error_of(head + "0,0,0,10,0,0\n1.1e12,1,0,10,0,0\n"),
+                HasSubstr("path.csv:3: t_s 1.1e+12: -1e+12 .. 1e+12"));
     EXPECT_THAT(error_of(head + "0,0,0,-51,0,0\n"), HasSubstr("path.csv:2: z_m -51: -50 .. 20000"));
     EXPECT_THAT(error_of(head + "0,0,0,20001,0,0\n"), HasSubstr("z_m 20001"));
     EXPECT_EQ(error_of(head + "0,1e7,-1e7,20000,0,89\n"), "none");

@@ -34,6 +34,9 @@ class FilmFileTest : public testing::Test {
         const Result<std::string> text = read_text_file((folder_ / name).string(), 1 << 20);
         return text ? *text : "";
     }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    /// What it is given, where it is told to put it: the last word, as file:PATH.
+    static constexpr const char* into_the_part = "for to; do :; done; cat > \"${to#file:}\"";
     static ShownPicture picture(std::uint8_t first) {
         ShownPicture made{3, 2, {}};
         for (int i = 0; i < 3 * 2 * 4; ++i)
@@ -45,8 +48,8 @@ class FilmFileTest : public testing::Test {
 };
 
 TEST_F(FilmFileTest, hands_every_frame_over_in_order_and_says_what_they_are) {
-    stand_in("echo \"$@\" > " + folder_.string() + "/words; cat > " + folder_.string() + "/frames");
-    Result<FilmFile> film = FilmFile::open("-sea.mp4", 3, 2, 30);
+    stand_in("echo \"$@\" > " + folder_.string() + "/words; " + into_the_part);
+    Result<FilmFile> film = FilmFile::open(path("-sea.mp4"), 3, 2, {24000, 1001});
     ASSERT_TRUE(film) << film.error().message;
     std::string expected;
     for (const std::uint8_t first : {0, 100, 200}) {
@@ -55,30 +58,34 @@ TEST_F(FilmFileTest, hands_every_frame_over_in_order_and_says_what_they_are) {
             expected += static_cast<char>(byte);
     }
     ASSERT_TRUE(film->close());
-    EXPECT_EQ(kept("frames"), expected);
+    EXPECT_EQ(kept("-sea.mp4"), expected);
     const std::string words = kept("words");
     // Else ffmpeg takes BT.601, and players BT.709: films greener than pictures of the same frames.
     EXPECT_THAT(words, HasSubstr("scale=out_color_matrix=bt709:out_range=tv,pad="));
     EXPECT_THAT(words, HasSubstr("-colorspace bt709 -color_primaries bt709"));
     EXPECT_THAT(
-        words, HasSubstr("-f rawvideo -pixel_format rgba -video_size 3x2 -framerate 30 -i pipe:0"));
+        words,
+        HasSubstr(
+            "-f rawvideo -pixel_format rgba -video_size 3x2 -framerate 24000/1001 -i pipe:0"));
     EXPECT_THAT(words, HasSubstr("libx264"));
-    EXPECT_THAT(words, HasSubstr("file:-sea.mp4")) << "a path is no option";
+    EXPECT_THAT(words, HasSubstr(" -f mp4 file:" + path("-sea.mp4.part"))) << "a path is no option";
     EXPECT_THAT(words, HasSubstr("ceil(iw/2)*2")) << "odd sides";
 }
 
 TEST_F(FilmFileTest, a_webm_is_vp9) {
-    stand_in("echo \"$@\" > " + folder_.string() + "/words; cat > /dev/null");
-    Result<FilmFile> film = FilmFile::open("sea.webm", 3, 2, 30);
+    stand_in("echo \"$@\" > " + folder_.string() + "/words; " + into_the_part);
+    Result<FilmFile> film = FilmFile::open(path("sea.webm"), 3, 2, {});
     ASSERT_TRUE(film);
     ASSERT_TRUE(film->close());
+    EXPECT_THAT(kept("words"), HasSubstr(" -f webm file:"));
+    EXPECT_THAT(kept("words"), HasSubstr(" -framerate 30 "));
     EXPECT_THAT(kept("words"), HasSubstr("libvpx-vp9"));
 }
 
 TEST_F(FilmFileTest, says_that_the_coder_is_missing_and_what_has_it) {
     ::setenv("PATH", folder_.c_str(), 1);
     std::filesystem::remove(folder_ / "ffmpeg");
-    const Result<FilmFile> film = FilmFile::open("sea.mp4", 3, 2, 30);
+    const Result<FilmFile> film = FilmFile::open(path("sea.mp4"), 3, 2, {});
     ASSERT_FALSE(film);
     EXPECT_THAT(film.error().message, HasSubstr("sea.mp4"));
     EXPECT_THAT(film.error().message, HasSubstr("apt install ffmpeg"));
@@ -87,7 +94,7 @@ TEST_F(FilmFileTest, says_that_the_coder_is_missing_and_what_has_it) {
 // It ends while frames are still coming, as on a full disk: an error of that film, not the end of this program.
 TEST_F(FilmFileTest, a_coder_that_ends_early_is_an_error) {
     stand_in("exit 7");
-    Result<FilmFile> film = FilmFile::open("sea.mp4", 3, 2, 30);
+    Result<FilmFile> film = FilmFile::open(path("sea.mp4"), 3, 2, {});
     ASSERT_TRUE(film);
     Result<void> taken;
     for (int i = 0; i < 1'000'000 && taken; ++i) // until what lies between the two is full
@@ -97,6 +104,39 @@ TEST_F(FilmFileTest, a_coder_that_ends_early_is_an_error) {
     const Result<void> closed = film->close();
     ASSERT_FALSE(closed);
     EXPECT_THAT(closed.error().message, HasSubstr("status 7"));
+}
+
+// Whatever ends a film, the one of yesterday is there, and no piece beside it.
+TEST_F(FilmFileTest, a_film_that_fails_leaves_the_one_that_was_there) {
+    const auto expect_old_film_alone = [&](const char* when) {
+        EXPECT_EQ(kept("sea.mp4"), "old") << when;
+        EXPECT_FALSE(std::filesystem::exists(path("sea.mp4.part"))) << when;
+    };
+    std::ofstream(path("sea.mp4")) << "old";
+    stand_in(std::string(into_the_part) + "; exit 3");
+    {
+        Result<FilmFile> film = FilmFile::open(path("sea.mp4"), 3, 2, {});
+        ASSERT_TRUE(film) << film.error().message;
+        ASSERT_TRUE(film->add(picture(0)));
+        const Result<void> closed = film->close();
+        ASSERT_FALSE(closed);
+        EXPECT_THAT(closed.error().message, HasSubstr("status 3"));
+    }
+    expect_old_film_alone("the coder says that it failed");
+    stand_in(into_the_part);
+    {
+        Result<FilmFile> film = FilmFile::open(path("sea.mp4"), 3, 2, {});
+        ASSERT_TRUE(film && film->add(picture(0)));
+    }
+    expect_old_film_alone("given up");
+    std::filesystem::create_directory(path("sea.mp4.part"));
+    EXPECT_FALSE(FilmFile::open(path("sea.mp4"), 3, 2, {})) << "a folder lies there";
+    std::filesystem::remove(path("sea.mp4.part"));
+    {
+        Result<FilmFile> film = FilmFile::open(path("sea.mp4"), 3, 2, {});
+        ASSERT_TRUE(film && film->add(picture(0)) && film->close());
+    }
+    EXPECT_EQ(kept("sea.mp4").size(), 3u * 2 * 4) << "in its place";
 }
 
 } // namespace

@@ -7,8 +7,11 @@
 
 #include <sys/stat.h>
 
+#include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <png.h>
@@ -71,6 +74,37 @@ TEST(Picture, exr_keeps_every_number) {
             EXPECT_EQ(channels[c][i], picture.rgba[4 * i + c]);
     EXPECT_GT(*std::max_element(picture.rgba.begin(), picture.rgba.end()), 1.0f)
         << "beyond the white of a display";
+}
+
+// Naive: a height of 0 and no height are the same number.
+TEST(Picture, an_exr_of_a_view_of_numbers_says_where_there_is_one_and_of_what) {
+    Picture picture{16, 1, std::vector<float>(16 * 4, 0.0f)};
+    for (std::size_t x = 0; x < 16; ++x)
+        picture.rgba[4 * x + 3] = static_cast<float>(x % 3);
+    const std::string path = tests::folder().file("numbers.exr");
+    ASSERT_TRUE(write_exr(picture, path, {.debug = "height", .time_us = 1'500'000}));
+    Imf::InputFile file(path.c_str());
+    std::vector<float> alpha(16);
+    Imf::FrameBuffer frame;
+    frame.insert("A", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(alpha.data()), sizeof(float),
+                                 16 * sizeof(float)));
+    file.setFrameBuffer(frame);
+    file.readPixels(0, 0);
+    for (std::size_t x = 0; x < 16; ++x)
+        EXPECT_EQ(alpha[x], static_cast<float>(x % 3)) << x;
+    const auto text = [](const Imf::InputFile& of, const char* name) {
+        const auto* found = of.header().findTypedAttribute<Imf::StringAttribute>(name);
+        return found != nullptr ? found->value() : "none";
+    };
+    EXPECT_EQ(text(file, "seaway.debug"), "height");
+    EXPECT_EQ(text(file, "seaway.time_us"), "1500000");
+    const std::string lit = tests::folder().file("lit.exr");
+    ASSERT_TRUE(write_exr(picture, lit, {.time_us = 2}));
+    const Imf::InputFile radiance(lit.c_str());
+    EXPECT_EQ(radiance.header().channels().findChannel("A"), nullptr)
+        << "of radiance it says nothing";
+    EXPECT_EQ(text(radiance, "seaway.debug"), "none");
+    EXPECT_EQ(text(radiance, "seaway.time_us"), "2");
 }
 
 std::string bytes_of(const std::string& path) {
@@ -168,19 +202,25 @@ TEST(Picture, the_suns_glitter_weighs_no_more_than_a_white_sheet) {
 }
 
 TEST(FramePath, puts_the_number_where_the_pattern_says) {
-    EXPECT_EQ(frame_path("a/##.png", 7, 20), "a/07.png");
-    EXPECT_EQ(frame_path("a/%04d.exr", 7, 20), "a/0007.exr");
-    EXPECT_EQ(frame_path("a/b.png", 0, 1), "a/b.png");
-    EXPECT_EQ(frame_path("a/b.png", 3, 4), "a/b-0003.png");
-    EXPECT_EQ(frame_path("a/%d_x.png", 123, 200), "a/123_x.png");
-    EXPECT_EQ(frame_path("50%.png", 0, 1), "50%.png") << "no pattern";
-    EXPECT_EQ(frame_path("50%.png", 2, 3), "50%-0002.png");
-    EXPECT_EQ(frame_path("#/b.png", 5, 9), "5/b.png");
+    EXPECT_EQ(frame_path("a/##.png", 7, true), "a/07.png");
+    EXPECT_EQ(frame_path("a/%04d.exr", 7, false), "a/0007.exr");
+    EXPECT_EQ(frame_path("a/b.png", 0, false), "a/b.png");
+    EXPECT_EQ(frame_path("a/b.png", 3, true), "a/b-0003.png");
+    EXPECT_EQ(frame_path("a/%d_x.png", 123, true), "a/123_x.png");
+    EXPECT_EQ(frame_path("50%.png", 0, false), "50%.png") << "no pattern";
+    EXPECT_EQ(frame_path("50%.png", 2, true), "50%-0002.png");
     // Naive: the first sign decides, which may be of a folder, or of a share.
-    EXPECT_EQ(frame_path("C#/##.png", 5, 9), "C#/05.png");
-    EXPECT_EQ(frame_path("C#/%02d.png", 5, 9), "C#/05.png");
-    EXPECT_EQ(frame_path("%d/%02d.png", 5, 9), "%d/05.png");
-    EXPECT_EQ(frame_path("50%_%04d.png", 2, 3), "50%_0002.png");
+    EXPECT_EQ(frame_path("C#/##.png", 5, true), "C#/05.png");
+    EXPECT_EQ(frame_path("C#/%02d.png", 5, true), "C#/05.png");
+    EXPECT_EQ(frame_path("%d/%02d.png", 5, true), "%d/05.png");
+    EXPECT_EQ(frame_path("50%_%04d.png", 2, true), "50%_0002.png");
+}
+
+// Naive: a sign in a folder's name, which is there already, is taken for the frame's number.
+TEST(FramePath, looks_in_the_name_of_the_file_alone) {
+    EXPECT_EQ(frame_path("take#2/b.png", 0, false), "take#2/b.png");
+    EXPECT_EQ(frame_path("/x/a%d/b.png", 0, false), "/x/a%d/b.png");
+    EXPECT_EQ(frame_path("take#2/b.png", 5, true), "take#2/b-0005.png");
 }
 
 } // namespace

@@ -38,6 +38,14 @@ std::variant<ViewOptions, int> read(const std::string& more) {
     return read_view_options(static_cast<int>(argv.size()), argv.data());
 }
 
+std::string complaint(const std::string& more) {
+    ::testing::internal::CaptureStderr();
+    const auto refused = read(more);
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    return std::holds_alternative<int>(refused) && std::get<int>(refused) == 2 ? said
+                                                                               : "taken: " + said;
+}
+
 // Pictures of a quality that draws fewer pixels are enlarged, numbers are not.
 TEST(ViewOptions, an_exr_is_drawn_at_the_size_that_was_asked_for) {
     for (const Quality& quality : quality_table) {
@@ -77,6 +85,37 @@ TEST(ViewOptions, every_option_reaches_its_own_value) {
     EXPECT_EQ(options.quality.name, "film");
     EXPECT_FALSE(options.turntable);
     EXPECT_TRUE(std::get<ViewOptions>(read("--turntable")).turntable);
+}
+
+TEST(ViewOptions, frames_of_a_piece_are_those_of_the_whole) {
+    const auto options =
+        std::get<ViewOptions>(read("--time 10 --first 100 --frames 5 --fps 24000/1001"));
+    EXPECT_EQ(options.frame(0), 100);
+    EXPECT_EQ(options.frame(4), 104);
+    EXPECT_TRUE(options.numbered());
+    EXPECT_TRUE(std::get<ViewOptions>(read("--time 10 --first 0")).numbered());
+    EXPECT_FALSE(std::get<ViewOptions>(read("--time 10")).numbered());
+    EXPECT_EQ(options.rate, (FrameRate{24000, 1001}));
+    EXPECT_EQ(std::get<ViewOptions>(read("--fps 23.976")).rate, (FrameRate{23.976, 1}));
+    EXPECT_EQ(std::get<ViewOptions>(read("")).rate, (FrameRate{30, 1}));
+}
+
+TEST(ViewOptions, a_piece_that_would_not_fit_into_its_film_is_refused) {
+    using ::testing::HasSubstr;
+    EXPECT_THAT(complaint("--first 3"), HasSubstr("--first needs --time"));
+    EXPECT_THAT(complaint("--first 3 --time now"), HasSubstr("--first needs --time"));
+    EXPECT_THAT(complaint("--first 3 --time 1 --turntable"), HasSubstr("--first and --turntable"));
+    EXPECT_THAT(complaint("--first 999999 --time 1 --frames 2"),
+                HasSubstr("--first 999999 --frames 2: frames are numbered 0 .. 999999"));
+    EXPECT_EQ(complaint("--first 999998 --time 1 --frames 2"), "taken: ");
+}
+
+TEST(FrameRate, frames_do_not_drift_and_are_rounded_once) {
+    const FrameRate film{24000, 1001};
+    EXPECT_EQ(film.offset_us(24000), 1'001'000'000);
+    EXPECT_EQ(film.offset_us(999'999), 41'708'291'625); // 41708.291625 s
+    EXPECT_EQ((FrameRate{24, 1}.offset_us(101)), 4'208'333);
+    EXPECT_EQ((FrameRate{30, 1}.offset_us(2)), 66'667);
 }
 
 TEST(ViewOptions, now_is_no_time_of_its_own) {
@@ -129,14 +168,6 @@ type = "II"
     EXPECT_EQ(std::get<int>(read("--look /nowhere/look.toml")), 2);
     EXPECT_THAT(::testing::internal::GetCapturedStderr(),
                 ::testing::HasSubstr("cannot read look '/nowhere/look.toml'"));
-}
-
-std::string complaint(const std::string& more) {
-    ::testing::internal::CaptureStderr();
-    const auto refused = read(more);
-    const std::string said = ::testing::internal::GetCapturedStderr();
-    return std::holds_alternative<int>(refused) && std::get<int>(refused) == 2 ? said
-                                                                               : "taken: " + said;
 }
 
 // What would change nothing in the picture is refused, both by name.
@@ -252,8 +283,17 @@ TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
         {"--camera 0,0,-50,0,0", "--camera 0,0,-50.1,0,0"},
         {"--camera 0,0,1,720,89", "--camera 0,0,1,720,89.01"},
         {"--camera 0,0,1,0,-89", "--camera 0,0,1,0,-89.01"},
+        {"--camera 0,0,1,-36000,0", "--camera 0,0,1,1e308,0"},
         {"--camera 1,2,3,4,5", "--camera 1,2,3,4,5,6"},
         {"--camera 1,2,3,4,5", "--camera 1,2,3,4"},
+        {"--first 0 --time 1", "--first -1 --time 1"},
+        {"--first 999999 --time 1", "--first 1000000 --time 1"},
+        {"--fps 1000", "--fps 1000.1"},
+        {"--fps 1e-6", "--fps 0"},
+        {"--fps 24000/1001", "--fps 24000/1001.5"},
+        {"--fps 1000000/1000", "--fps 1000001/1001"},
+        {"--fps 1/1000000", "--fps 1/0"},
+        {"--fps 30", "--fps nan"},
         {"--frames 1", "--frames 0"},
         {"--frames 1000000", "--frames 1000001"},
         {"--time-of-day 0", "--time-of-day -0.01"},

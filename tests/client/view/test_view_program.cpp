@@ -9,7 +9,9 @@
 #include <sstream>
 
 #include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -263,6 +265,36 @@ TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
     const std::string expected = tests::folder().file("expected_heights.png");
     ASSERT_TRUE(develop(read_exr(path + ".exr", 64, 48), {DebugView::height, 1, hs_m}, expected));
     EXPECT_EQ(bytes_of(path + ".png") == bytes_of(expected), true);
+}
+
+// Half of a level picture is sky, which has no height: 0 there is no number.
+TEST(ViewProgram, an_exr_of_heights_says_that_the_sky_has_none) {
+    tests::WaveSea sea;
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
+    const std::string path = tests::folder().file("level.exr");
+    const Outcome drawn =
+        run(net->url() + " --offscreen 64x48 --time 1000.5 --camera 30,-20,9,70,0 --out " + path +
+            " --debug height");
+    ASSERT_EQ(drawn.code, 0) << drawn.text;
+    EXPECT_EQ(drawn.text.find("--exposure"), std::string::npos) << "of light alone: " << drawn.text;
+    std::vector<float> alpha(64 * 48);
+    Imf::InputFile file(path.c_str());
+    Imf::FrameBuffer buffer;
+    buffer.insert("A", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(alpha.data()), sizeof(float),
+                                  64 * sizeof(float)));
+    file.setFrameBuffer(buffer);
+    file.readPixels(0, 47);
+    for (std::size_t x = 0; x < 64; ++x) {
+        EXPECT_EQ(alpha[x], 0.0f) << x;
+        EXPECT_EQ(alpha[64 * 47 + x], 1.0f) << x;
+    }
+    const auto* time = file.header().findTypedAttribute<Imf::StringAttribute>("seaway.time_us");
+    ASSERT_NE(time, nullptr);
+    EXPECT_EQ(time->value(), "1000500000");
+    const auto* view = file.header().findTypedAttribute<Imf::StringAttribute>("seaway.debug");
+    ASSERT_NE(view, nullptr);
+    EXPECT_EQ(view->value(), "height");
 }
 
 /// The same waves with foam, all of it as many times the mean as its keyframe is seconds old, and a tenth

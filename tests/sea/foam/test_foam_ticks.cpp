@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -71,6 +72,25 @@ TEST(Foam, a_walk_in_slices_is_the_walk_at_once) {
         ASSERT_TRUE(sliced.advance_to(goal_us, strains.source()));
         EXPECT_EQ(largest_difference(whole, sliced), 0.0);
     }
+}
+
+// The state of the tick, advanced by hand by the rest of the way with the strains of the moment: single precision twice.
+TEST(Foam, between_two_ticks_is_that_of_the_earlier_advanced_by_the_rest) {
+    const sea::RealizationPtr sea = storm();
+    const FoamLawPtr law = make_foam_law(*sea, foam_model);
+    Strains strains(sea, 0);
+    constexpr TimeUs tick_us = 50'000'000, shown_us = tick_us + 70'000;
+    FoamHistory shown(law, 0, 64, interval_us), by_hand(law, 0, 64, interval_us);
+    ASSERT_TRUE(shown.advance_to(tick_us, strains.source()));
+    ASSERT_TRUE(by_hand.advance_to(tick_us, strains.source()));
+    const std::vector<float> at_tick(shown.ratios().begin(), shown.ratios().end());
+    ASSERT_TRUE(shown.advance_to(shown_us, strains.source()));
+    by_hand.advance(*strains.at(shown_us), 0.07);
+    EXPECT_LT(largest_difference(shown, by_hand), 1e-5);
+    double moved = 0;
+    for (std::size_t i = 0; i < at_tick.size(); ++i)
+        moved = std::max(moved, std::abs(static_cast<double>(shown.ratios()[i] - at_tick[i])));
+    EXPECT_GT(moved, 0.01) << "something happens in 0.07 s";
 }
 
 TEST(Foam, a_start_that_is_half_way_goes_on_to_a_later_time_and_anew_to_an_earlier_one) {

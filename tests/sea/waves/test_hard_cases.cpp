@@ -190,9 +190,19 @@ TEST(HardCase, A21_any_parameters_give_an_error_or_a_finite_sea) {
 // Naive: division by dt = 0. Velocity is a field of its own here.
 TEST(HardCase, B1_time_zero_is_a_time_like_any_other) {
     const DirectSum sum(realized(windy_sea(), three_cascades));
-    const LagrangianPoint a = sum.at(1, 2, 0), b = sum.at(1, 2, 0);
-    EXPECT_EQ(a.height, b.height);
-    EXPECT_TRUE(std::isfinite(a.height_rate));
+    constexpr TimeUs delta_us = 1000;
+    double fastest = 0;
+    for (int i = 0; i < 20; ++i) {
+        const double x_m = 13.0 * i, y_m = 5.0 * i;
+        const double rate = sum.at(x_m, y_m, 0).height_rate;
+        // Central differences over 2 ms miss w^2 dt^2 / 6: 2e-5 of the shortest waves here, of 10 rad/s.
+        EXPECT_NEAR(rate,
+                    (sum.at(x_m, y_m, delta_us).height - sum.at(x_m, y_m, -delta_us).height) /
+                        seconds_from_us(2 * delta_us),
+                    1e-4);
+        fastest = std::max(fastest, std::abs(rate));
+    }
+    EXPECT_GT(fastest, 0.1) << "m/s: the sea moves";
 }
 
 // Naive: t in float has a step of 62 ms at 1e6 s; motion becomes a staircase.
@@ -224,6 +234,10 @@ TEST(HardCase, B4_the_wrapped_phase_stays_within_half_a_turn) {
         EXPECT_GE(phase_rad(rate, t), -pi);
         EXPECT_LE(phase_rad(rate, t), pi);
     }
+    // After 1000 s, 510.9 turns: a rate is rounded by 2^-65 turns/us, which are 2e-10 rad by then.
+    for (const double t_s : {0.25, 1.0, -1.0, 1000.0, -1000.0})
+        EXPECT_NEAR(phase_rad(rate, us_from_seconds(t_s)), std::remainder(3.21 * t_s, two_pi), 1e-9)
+            << t_s;
 }
 
 // Naive: rotating by e^{i w dt} a million times drifts; dt that jumps blows up. Of foam: FoamOn.

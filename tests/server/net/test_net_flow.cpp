@@ -72,7 +72,10 @@ TEST_F(NetFlow, every_answer_says_whether_the_connection_goes_on_and_so_it_does)
         {"GET /v1/state" + rest + "\r\n", 200, true},
         {"GET /v1/state" + rest + "Connection: close\r\n\r\n", 200, false},
         {"GET /healthz HTTP/1.0\r\n\r\n", 200, false},
-        {"GET /healthz HTTP/1.0\r\nConnection: keep-alive\r\n\r\n", 200, true},
+        {"GET /healthz HTTP/1.0\r\nConnection: keep-alive\r\n\r\n", 200, false},
+        {"HEAD /v1/map HTTP/1.0\r\nAuthorization: Bearer open sesame\r\n"
+         "Connection: keep-alive\r\n\r\n",
+         200, false},
         {"HEAD /healthz" + rest + "\r\n", 200, true},
         {"HEAD /healthz" + rest + "Connection: close\r\n\r\n", 200, false},
         {"GET /none" + rest + "\r\n", 404, true},

@@ -182,6 +182,13 @@ TEST(OriginRules, pages_of_other_sites_load_nothing_unseen) {
     EXPECT_EQ(status_of(head), 403u);
     head.fetch_mode = "navigate"; // a link that somebody follows
     EXPECT_EQ(status_of(head), 0u);
+    head.fetch_dest = "document";
+    EXPECT_EQ(status_of(head), 0u);
+    for (const std::string_view frame : {"iframe", "frame", "object", "embed"}) {
+        head.fetch_dest = frame;
+        EXPECT_EQ(status_of(head), 403u) << frame;
+    }
+    head.fetch_dest = {};
     for (const std::string_view site : {"same-origin", "same-site", "none", ""}) {
         head.fetch_site = site;
         head.fetch_mode = "no-cors";
@@ -213,6 +220,36 @@ TEST(Addresses, an_ipv6_network_and_a_mapped_ipv4_are_one_address) {
     const AddressPtr one = addresses.of("2001:db8::1", {});
     EXPECT_EQ(addresses.of("2001:db8::2", {}), one);
     EXPECT_NE(addresses.of("2001:db8:0:1::1", {}), one);
+}
+
+// What tokens and names of hosts are held against: a listener of both kinds of addresses says "::ffff:" of IPv4.
+TEST(Addresses, who_comes_from_elsewhere_in_the_clear_may_have_been_overheard) {
+    const auto comes_from = [](const std::string& ip, bool is_v6, bool tls) {
+        return peer_of({ip, 4711, is_v6}, nullptr, tls);
+    };
+    for (const bool tls : {false, true}) {
+        for (const char* here : {"127.0.0.1", "127.8.9.10"})
+            EXPECT_TRUE(comes_from(here, false, tls).loopback) << here;
+        for (const char* here : {"::1", "::ffff:127.0.0.1"})
+            EXPECT_TRUE(comes_from(here, true, tls).loopback) << here;
+        for (const char* elsewhere : {"203.0.113.5", "10.0.0.1", "192.168.0.1", "0.0.0.0"}) {
+            EXPECT_FALSE(comes_from(elsewhere, false, tls).loopback) << elsewhere;
+            EXPECT_EQ(comes_from(elsewhere, false, tls).unseen(), tls) << elsewhere;
+        }
+        for (const char* elsewhere : {"::ffff:203.0.113.5", "2001:db8::1", "fe80::1%1", "::2"}) {
+            EXPECT_FALSE(comes_from(elsewhere, true, tls).loopback) << elsewhere;
+            EXPECT_EQ(comes_from(elsewhere, true, tls).unseen(), tls) << elsewhere;
+        }
+        EXPECT_TRUE(comes_from("127.0.0.1", false, tls).unseen());
+        EXPECT_TRUE(comes_from("::1", true, tls).unseen());
+        EXPECT_TRUE(comes_from("::ffff:127.0.0.1", true, tls).unseen());
+    }
+    const NetOptions options;
+    const auto address = std::make_shared<Address>("203.0.113.5", options);
+    const Peer named = peer_of({"203.0.113.5", 4711, false}, address, true);
+    EXPECT_EQ(named.name, "203.0.113.5:4711");
+    EXPECT_EQ(named.address, address);
+    EXPECT_TRUE(named.tls);
 }
 
 TEST(Addresses, what_is_used_up_comes_back_evenly_and_no_further_than_its_burst) {

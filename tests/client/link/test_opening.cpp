@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Connections that do not come about: names that nobody knows in time, servers that decline for a while.
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "client/link/failure.h"
+#include "client/link/message_stream.h"
+#include "protocol/limits.h"
+
+namespace {
+
+/// A name for which the system asks and asks.
+constexpr std::string_view unanswered = "never.answered.example";
+struct Hanging {
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool released = false;
+    int now = 0; ///< threads in it
+};
+Hanging& hanging() {
+    static auto* const all = new Hanging; // threads may be in it when the program ends
+    return *all;
+}
+
+} // namespace
+
+/// In place of the system's, for this program.
+extern "C" int getaddrinfo(const char* host, const char* port, const addrinfo* hints,
+                           addrinfo** found) {
+    using Ask = int (*)(const char*, const char*, const addrinfo*, addrinfo**);
+    static const auto real = reinterpret_cast<Ask>(dlsym(RTLD_NEXT, "getaddrinfo"));
+    if (host == nullptr || host != unanswered)
+        return real(host, port, hints, found);
+    Hanging& here = hanging();
+    std::unique_lock lock(here.mutex);
+    ++here.now;
+    here.changed.notify_all();
+    here.changed.wait_for(lock, std::chrono::seconds(20), [&] { return here.released; });
+    --here.now;
+    here.changed.notify_all();
+    return EAI_AGAIN;
+}
+
+namespace seaway::client {
+namespace {
+
+class OpeningTest : public ::testing::Test {
+  protected:
+    OpeningTest() {
+        const std::scoped_lock lock(hanging().mutex);
+        hanging().released = false;
+    }
+    ~OpeningTest() override {
+        Hanging& here = hanging();
+        std::unique_lock lock(here.mutex);
+        here.released = true;
+        here.changed.notify_all();
+        here.changed.wait_for(lock, std::chrono::seconds(30), [&] { return here.now == 0; });
+    }
+    static int still_asked() {
+        const std::scoped_lock lock(hanging().mutex);
+        return hanging().now;
+    }
+    const Url url{.host = std::string(unanswered), .port = "9430"};
+};
+
+// Naive: it is given up in time, and then waited for until the system has given up as well.
+TEST_F(OpeningTest, a_name_that_the_system_does_not_find_is_given_up_before_the_system_does) {
+    const auto stream = open_websocket(url, {.connect_timeout_s = 0.1});
+    EXPECT_EQ(still_asked(), 1) << "the system is still at it";
+    ASSERT_FALSE(stream);
+    EXPECT_EQ(failure_of(stream.error()), Failure::cannot_connect);
+    EXPECT_NE(stream.error().message.find("no answer in 0.1 s"), std::string::npos)
+        << stream.error().message;
+}
+
+TEST_F(OpeningTest, who_is_told_to_stop_does_not_wait_for_a_name) {
+    std::stop_source stop;
+    std::thread stops([&] {
+        Hanging& here = hanging();
+        std::unique_lock lock(here.mutex);
+        here.changed.wait(lock, [&] { return here.now > 0; });
+        stop.request_stop();
+    });
+    const auto stream = open_websocket(url, {.connect_timeout_s = 60, .stop = stop.get_token()});
+    EXPECT_EQ(still_asked(), 1) << "the system is still at it";
+    stops.join();
+    ASSERT_FALSE(stream);
+    EXPECT_NE(stream.error().message.find("given up by this client"), std::string::npos)
+        << stream.error().message;
+}
+
+/// The port of one that answers the first request with these words.
+class Declining {
+  public:
+    explicit Declining(std::string words)
+        : words_(std::move(words)), listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        socklen_t size = sizeof address;
+        EXPECT_EQ(::bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
+        EXPECT_EQ(::listen(listener_, 1), 0);
+        const timeval patience{60, 0};
+        ::setsockopt(listener_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
+        port = ntohs(address.sin_port);
+        answers_ = std::thread([this] {
+            const int peer = ::accept(listener_, nullptr, nullptr);
+            std::string asked(4096, '\0');
+            EXPECT_GT(::recv(peer, asked.data(), asked.size(), 0), 0);
+            EXPECT_GT(::send(peer, words_.data(), words_.size(), 0), 0);
+            ::close(peer);
+        });
+    }
+    ~Declining() {
+        answers_.join();
+        ::close(listener_);
+    }
+    Declining(const Declining&) = delete;
+    Declining& operator=(const Declining&) = delete;
+    int port = 0;
+
+  private:
+    const std::string words_;
+    const int listener_;
+    std::thread answers_;
+};
+
+// Naive: it is back in half a second, whatever the server asked for.
+TEST_F(OpeningTest, a_server_that_declines_for_a_while_is_left_for_that_long_and_an_hour_at_most) {
+    for (const auto& [says, retry_after_ms] :
+         {std::pair("7", 7000u), std::pair("86400", protocol::limits::retry_after_ms_max)}) {
+        const Declining server(std::string("HTTP/1.1 503 Service Unavailable\r\nRetry-After: ") +
+                               says + "\r\nContent-Length: 0\r\n\r\n");
+        const auto stream = open_websocket(
+            {.host = "127.0.0.1", .port = std::to_string(server.port)}, {.connect_timeout_s = 60});
+        ASSERT_FALSE(stream);
+        EXPECT_EQ(failure_of(stream.error()), Failure::cannot_connect) << "which passes";
+        EXPECT_EQ(stream.error().retry_after_ms, retry_after_ms);
+    }
+}
+
+} // namespace
+} // namespace seaway::client
