@@ -96,9 +96,13 @@ class Drawing {
     }
 
   private:
+    /// Of numbers, whatever colours they would have.
     PictureNotes notes(const DebugMoment& moment) const {
-        const bool lit = options_.debug.view == DebugView::final;
-        return {.debug = lit ? "" : debug_text(options_.debug), .time_us = moment.frame.time_us};
+        DebugChoice shown = options_.debug;
+        shown.colouring = {};
+        shown.legend = true;
+        const bool lit = shown.view == DebugView::final;
+        return {.debug = lit ? "" : debug_text(shown), .time_us = moment.frame.time_us};
     }
 
     /// What a piece of the same film is drawn with, to be exposed alike; empty: that is given.

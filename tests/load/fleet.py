@@ -20,6 +20,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 from fleet_processes import Fleet
@@ -104,7 +105,7 @@ class Proof:
         self.comparison = Comparison(fleet)
         self.watchers = []
         self.promises, self.refusals, self.stale_seen = 0, 0, False
-        self.revive = []
+        self.revivals = []
         self.moving_gap_s = self.hung_until_s = 0.0
 
     def say(self, what, value, fine=True):
@@ -162,15 +163,20 @@ class Proof:
         self.say("and longest without a height meanwhile", f"{max(gaps):.1f} s", max(gaps) < HANG_S_MAX)
         self.hung_until_s = time.monotonic()
 
-    def do(self, what, name, now):
+    def do(self, what, name):
         if what == "kill":
             self.fleet.stop(name, signal.SIGKILL)
-            self.revive.append((now + 3, name))
+            self.later(3, self.fleet.start_server, name)
         elif what == "nats":
             self.fleet.stop("nats", signal.SIGKILL)
-            self.revive.append((now + 1, "nats"))
+            self.later(1, self.fleet.start_nats)
         else:
             self.fleet.line.cut = what == "cut"
+
+    def later(self, seconds, call, *words):
+        """In time, however long a comparison takes: a server that has not heard of NATS for two seconds is right to send its clients away."""
+        self.revivals.append(threading.Timer(seconds, call, words))
+        self.revivals[-1].start()
 
     def change_weather(self):
         asked = next((name for name in random.sample(self.fleet.names, 3) if self.fleet.ready(name)), None)
@@ -185,16 +191,10 @@ class Proof:
                   (47, "kill", "c")]
         began = time.monotonic()
         weather_at = 0.0
-        while (now := time.monotonic() - began) < seconds or faults or self.revive:
+        while (now := time.monotonic() - began) < seconds or faults:
             while faults and faults[0][0] <= now:
                 _, what, name = faults.pop(0)
-                self.do(what, name, now)
-            for due in [due for due in self.revive if due[0] <= now]:
-                self.revive.remove(due)
-                if due[1] == "nats":
-                    fleet.start_nats()
-                else:
-                    fleet.start_server(due[1])
+                self.do(what, name)
             if now >= weather_at:
                 weather_at += WEATHER_EVERY_S
                 self.change_weather()
@@ -203,6 +203,8 @@ class Proof:
             if fleet.line.cut:
                 body = fleet.page("c", "/v1/state")[1]
                 self.stale_seen = self.stale_seen or (bool(body) and json.loads(body)["journal"]["stale"])
+        for revival in self.revivals:
+            revival.join()
         while self.comparison.asked < HEIGHTS_MIN and self.comparison.rounds < 200:
             self.comparison.once()
         fleet.wait_for(self.all_ready, "the fleet, healed")
