@@ -196,8 +196,11 @@ TimeUs SeaDirector::first_start(const RunningSea& to) const {
 }
 
 TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to, TimeUs making_us) const {
-    const TimeUs first_us =
+    TimeUs first_us =
         first_start(to) + clock_.hurried(std::max(spare_us, 3 * making_us)) + spread();
+    // One that is made sooner than that before it would begin before it, and that one would be lost.
+    if (wish.at_us < first_us)
+        first_us = std::max(first_us, soonest_us_);
     const TimeUs start_us = std::max(wish.at_us, first_us);
     return next_meeting(start_us, intervals_of(*course_->at(start_us), to));
 }
@@ -358,6 +361,8 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
                  sea::seconds_from_us(promise.start_us),
                  sea::seconds_from_us(promise.end_us - promise.start_us),
                  planned->to->summary.realised.significant_height_m);
+    if (wish.at_us <= clock_.now_us())
+        soonest_us_ = promise.start_us;
     if (clock_.now_us() > promise.start_us)
         was_late();
     return promise;

@@ -95,7 +95,7 @@ class SeaDirector {
     Result<sea::Scene> wished(const SeaWish& wish, sea::TimeUs from_us) const;
     /// When every keyframe that is out by now is of the sea before.
     sea::TimeUs first_start(const RunningSea& to) const;
-    /// As soon as can be, or when it is wished.
+    /// As soon as can be, in the order in which changes were asked for, or when it is wished.
     sea::TimeUs start_of(const SeaWish& wish, const RunningSea& to, sea::TimeUs making_us) const;
 
     const std::shared_ptr<SeaCourse> course_;
@@ -110,6 +110,8 @@ class SeaDirector {
     bool follows_ = true;                ///< there was memory for it at the last look
     std::int64_t handed_over_us_ = 0;
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
+    sea::TimeUs soonest_us_ =
+        -sea::time_us_max; ///< start of the last change that was to begin as soon as can be
     World& world_;
     SeaClock& clock_;
 

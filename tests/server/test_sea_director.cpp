@@ -165,6 +165,26 @@ TEST_F(Director, one_of_its_own_that_was_written_before_there_was_no_memory_is_p
     EXPECT_EQ(following().played, 3u);
 }
 
+// Naive: a change begins the later the longer it takes to be made, so that one that is asked for behind it, and made sooner, begins
+// before it: it would be lost.
+TEST_F(Director, changes_begin_in_the_order_in_which_they_were_asked_for) {
+    SeaWish long_made = wish();
+    long_made.scene = windy();
+    long_made.scene += "[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\n"
+                       "length_m = 43\nwavelength_m = 20\ncount = 64\nfrom_deg = 0\n"
+                       "wavenumber_ratio = 1.03\namplitude_m = 0.05\n";
+    const Result<SeaPromise> first = asked(long_made), second = asked(wish());
+    ASSERT_TRUE(first) << first.error().message;
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_GE(second->start_us, first->start_us);
+    SeaWish later = wish();
+    later.at_us = second->start_us + 100'000'001; // no keyframe lies there
+    EXPECT_GT(asked(later)->start_us, later.at_us);
+    const Result<SeaPromise> at_once = asked(wish());
+    ASSERT_TRUE(at_once) << at_once.error().message;
+    EXPECT_LT(at_once->start_us, later.at_us) << "who names no time waits for none that was named";
+}
+
 // The sea has leapt under those who are here: they are to go where it has not.
 TEST_F(Director, a_pace_that_held_already_when_it_came_hands_the_sessions_over) {
     std::atomic<int> handed_over = 0;
