@@ -4,7 +4,7 @@
 // what the cheaper way would have taken, whether he asks about a time once or a thousand times ("ski rental": A. R. Karlin
 // et al., "Competitive snoopy caching", Algorithmica 3, 1988).
 //
-// Prices begin with what was measured of a gale (docs/performance.md) and follow what things take: a sum of a steep sea ten times as
+// Prices begin with what was measured of a gale (docs/performance/points.md) and follow what things take: a sum of a steep sea ten times as
 // much, maps of stylised waves a hundred times. Thread-safe; some 0.1 us.
 #pragma once
 

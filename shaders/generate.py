@@ -6,7 +6,7 @@ Every field is real: the modes of -X are the conjugates of those of X, and it is
 y for X >= 0 alone; fields that differ by a power of kx share that (shared/synthesis.h: sources).
 Then two rows y, y + 1 of a map are the real and the imaginary part of one complex line along x. But for
 design G no shared memory, no barriers inside a kernel. Reads go through texel buffers, writes are vec4 or vec2. Why:
-docs/performance.md.
+docs/performance/maps.md.
 
     evolve, along y     modes -> G[source][y / 2][X], rows y and y + 1 in a vec4
     fields, along x     G -> map[y][x] of each field

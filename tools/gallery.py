@@ -5,8 +5,8 @@
     tools/gallery.py BUILD_DIR [SHEET ...]
 
 Every picture is drawn from the tiles of a server that is started for its scene and stopped again. Needs
-python3-matplotlib (apt install python3-matplotlib) to put pictures side by side. gallery_before.jpg is of the renderer
-before it kept the sea on the device and is not drawn again. All of it: some minutes on two cores.
+python3-matplotlib (apt install python3-matplotlib) to put pictures side by side. All of it:
+some minutes on two cores.
 """
 import argparse
 import contextlib
@@ -24,7 +24,7 @@ SCENES = ["calm", "trade_wind_swell", "crossing_seas", "measured_buoy", GALE, "h
 
 # Sheet -> pictures a row, size of one, and (scene, arguments) of each, row by row.
 SHEETS = {
-    "after": (5, "480x270", [
+    "ten": (5, "480x270", [
         (GALE, "--camera 0,0,4,0,-89"), (GALE, "--camera 0,0,3000,0,-89"), (GALE, "--camera 0,0,10000,315,-12"),
         (GALE, "--camera 0,0,50,315,-4"), (GALE, "--camera 0,0,4,35,-20"), (GALE, "--time-of-day 18.3"),
         (GALE, "--time-of-day 0"), (GALE, "--time-of-day 15.5"), (GALE, "--debug roughness"),

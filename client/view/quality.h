@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much work a picture is worth: one table row a level. What each costs: docs/performance.md.
+// How much work a picture is worth: one table row a level. What each costs: docs/performance/drawing.md.
 #pragma once
 
 #include <array>
@@ -32,8 +32,7 @@ inline constexpr std::array<Quality, 4> quality_table{{
 }};
 
 // Places in the table.
-inline constexpr std::size_t quality_low = 0, quality_default = 1, quality_high = 2,
-                             quality_film = 3;
+inline constexpr std::size_t quality_low = 0, quality_default = 1, quality_high = 2;
 
 /// The error lists the names.
 Result<Quality> parse_quality(std::string_view name);

@@ -8,7 +8,7 @@
 //
 // Passes: keyframes to maps (client/view/sea/device_sea.h), mesh, geometry, light, and for bytes bloom and the film curve.
 // Two frames may be under way: draw() returns while the device works. The same inputs give the same bytes on one
-// device. Not thread-safe. Cost by quality: docs/performance.md.
+// device. Not thread-safe. Cost by quality: docs/performance/drawing.md.
 #pragma once
 
 #include <array>

@@ -18,7 +18,7 @@
 // for which J comes below fold_suspected_below on the way. The others are the same splines, mixed in
 // time once for the whole map; each point starts from its neighbour's solution, and the last Newton step
 // is applied to the value by its derivative. Cost with three cascades: about 0.1 us of a core a point
-// for a gale; in seas that fold what an answer costs, 4 us and more (docs/performance.md).
+// for a gale; in seas that fold what an answer costs, 4 us and more (docs/performance/points.md).
 //
 // Memory: 16 bytes a texel of the cascades and map_chunks_ahead_max chunks, whatever the request.
 #pragma once

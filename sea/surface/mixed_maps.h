@@ -25,7 +25,7 @@ struct PointKernel;
 
 class MixedMaps {
   public:
-    /// After so many points of one time (docs/performance.md, "Points from maps that are held").
+    /// After so many points of one time (docs/performance/points.md, "From maps that are held").
     static constexpr std::size_t pays_from_points = 6000;
 
     /// The maps, for as long as this lives; or nothing.

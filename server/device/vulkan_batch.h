@@ -116,14 +116,14 @@ class VulkanBatch {
     double device_seconds() const { return device_seconds_; }
     double foam_seconds() const { return foam_seconds_; }
     /// Whether each pass is timed. So it is, but not by a device without time stamps, nor by a CPU
-    /// as device: there a stamp waits for all threads, 30 to 40 us each (docs/performance.md).
+    /// as device: there a stamp waits for all threads, 30 to 40 us each (docs/performance/maps.md).
     void time_passes(bool wanted) { time_passes_ = wanted; }
     /// Of the last run that was timed, pass by pass; the Jacobian and foam last.
     std::span<const double> pass_seconds() const { return pass_seconds_; }
 
   private:
     /// Whether several keyframes of one size share their dispatches. On a processor one at a time is faster where the
-    /// scratch of one just fits the cache; a GPU needs them all to have enough to do (docs/performance.md).
+    /// scratch of one just fits the cache; a GPU needs them all to have enough to do (docs/performance/maps.md).
     static bool batches(const gpu::Device& device, int size) {
         return size <= (device.info().is_cpu() ? 256 : 1024);
     }

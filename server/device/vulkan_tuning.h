@@ -15,7 +15,7 @@ namespace seaway::server {
 /// When designs are measured of which nothing is remembered.
 enum class Measure {
     never,   ///< the first that fits and computes rightly
-    on_gpus, ///< of CPUs as devices the order is known (docs/performance.md), and each design is a second of compiling
+    on_gpus, ///< of CPUs as devices the order is known (docs/performance/maps.md), and each design is a second of compiling
     always
 };
 

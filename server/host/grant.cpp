@@ -171,7 +171,7 @@ void state_coarser(Demand& granted, const Demand& wish, Budgets budgets, const R
                                      rate_rungs_hz[rung.rate], wish.rate_hz_max));
 }
 
-/// Noise of predicted heights is less than what is stated of it (docs/performance.md), though not even: a little more of it lies in
+/// Noise of predicted heights is less than what is stated of it (docs/performance/line.md), though not even: a little more of it lies in
 /// long waves, which shallow water moves far sideways.
 constexpr double predicted_gain_max = 0.6;
 

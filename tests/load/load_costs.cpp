@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the parts of a question cost on this machine, beside what they are priced at
-// (server/simulation/price.h; docs/performance.md has the figures). One CSV row a part.
+// (server/simulation/price.h; docs/performance/load.md has the figures). One CSV row a part.
 //
 //     load_costs SCENE.toml
 #include <chrono>

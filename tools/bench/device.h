@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `seaway-bench device`: what a device takes for the maps of all tiles of a scene, by size and list of fields, with foam and
 // without; what it takes to copy them out, to encode them and to start; and beside each row what as many bytes take at
-// best, measured in the same round by a copy kernel (on the native device: by stores of all threads). docs/performance.md
+// best, measured in the same round by a copy kernel (on the native device: by stores of all threads). docs/performance/maps.md
 // shows it.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `seaway-bench line`: where the bytes of one client go. Real keyframes of a scene, encoded as the server encodes
-// them for one session, counted by cascade and field. docs/performance.md shows it.
+// them for one session, counted by cascade and field. docs/performance/line.md shows it.
 #pragma once
 
 #include <string>
@@ -23,7 +23,8 @@ struct LineOptions {
     client::TileLimits limits;
 };
 
-/// Where maps are predicted, of a stream that goes on: the keyframe that it begins with, whole, is told apart. Prints a table: the grid a map is sent on, its keyframes a second, the codec's bound, bits a sample
+/// Where maps are predicted, of a stream that goes on: TileStream::leads keyframes before those that are counted are not, and what
+/// it begins with, whole, is told apart. Prints a table: the grid a map is sent on, its keyframes a second, the codec's bound, bits a sample
 /// and kbit/s, messages and their headers included; the CPU time of encoding them, and of what a compact client does.
 Result<void> run_line(const LineOptions& options);
 

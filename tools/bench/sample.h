@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `seaway-bench sample`: what answers from maps that are held cost on one thread, by how many are asked for at once, whether
-// they share a time, and what of them is wanted. docs/performance.md shows it.
+// they share a time, and what of them is wanted. docs/performance/points.md shows it.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `seaway-bench spectrum`: what the waves of a scene are as a rung of their own: bytes, what is missed with each chunk,
-// and how far answers of a client that sums them are from the server's exact ones. docs/performance.md shows it.
+// and how far answers of a client that sums them are from the server's exact ones. docs/performance/line.md shows it.
 #pragma once
 
 #include <string>

@@ -14,8 +14,9 @@ const std::vector<glm::vec2>& small_noise() {
     return noise;
 }
 
+/// Tables of the air are made once: what a maker has kept changes nothing.
 Sky under_clouds(double coverage, double optical_depth, double hour = 13) {
-    SkyMaker maker;
+    static SkyMaker maker;
     Look look;
     look.clouds.coverage = coverage;
     look.clouds.optical_depth = optical_depth;
