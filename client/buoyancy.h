@@ -9,13 +9,21 @@
  * Physics, and its limits:
  * - Pressure is hydrostatic below the surface as it is: density * g * depth, the surface a straight line between the corners of
  *   a panel, over which it is integrated exactly. In still water force and torque are exact for any attitude; in waves the slope
- *   of the water pushes, too. Panels should be shorter than a quarter of the waves that matter. Pressure does not fade
- *   with depth below short waves, so that hulls that reach deeper than a tenth of a wavelength feel too much of it.
- * - Drag on each wetted panel, against the water's velocity at the surface: `linear_drag` times the flow, all of it
- *   (waves that the hull makes, friction), and quadratic_drag * density / 2 * |v| v of the flow across the panel.
- * - Added mass is a coefficient for each axis, times mass and inertia, in the air as in the water. Momentum beside the water is what
- *   lasts where a body turns, with Munk's moment, which takes a slender hull that is under way through the water broadside on, as it does ships:
- *   drag at the stern, or a rudder, holds its course. The water's own acceleration acts on the mass alone.
+ *   of the water pushes, too. Panels should be shorter than a quarter of the waves that matter. Pressure does not fade with
+ *   depth below waves: theirs at the keel is too large by exp(k draught) - 1, which is 6 % where the draught is a hundredth of the
+ *   wavelength, 17 % at a fortieth and 87 % at a tenth.
+ * - Drag on each wetted panel, along its normal, by the water's velocity at the surface: linear_drag * v + quadratic_drag * density / 2
+ *   * |v| v of the flow v onto it or away from it. The first is that of waves which the hull makes by what moves along its normals; the
+ *   second presses on the side that meets the water and sucks on the lee, half of what a blunt body feels each. What slides along
+ *   the skin is free: friction is some thousandths of that. Sample points have no normals: both laws act on all of the flow, on the
+ *   area of the column from above.
+ * - Added mass is a coefficient for each axis, times mass and inertia. All of it is there where the hull displaces half of its mass, and
+ *   less as that is less: in the air a body falls and spins as bodies do. What dips in shares its momentum with the water, and what comes
+ *   out keeps its velocity. Momentum beside the water is what lasts where a body turns, with Munk's
+ *   moment, which takes a slender hull that is under way through the water broadside on, as it does ships: drag at the stern, or a
+ *   rudder, holds its course. What waves do to the hull sideways they do to its added mass as well, so that a hull that is small
+ *   beside a wave moves with its water (extended Morison: F = (density V + Ma) Du/dt - Ma dv/dt). Upwards they do not: how the water
+ *   below speeds up cannot be had from the surface alone. A load has no part in either: it is for bodies without added mass.
  *   The heave of a body that floats is then (m + a33) z'' + b33 z' + c33 z = F, c33 = density g * waterplane (SNAME, Principles of
  *   Naval Architecture III, Motions in Waves), which test Buoyancy holds it against.
  *
@@ -25,10 +33,12 @@
  *     seaway_sample(client, points, hull.vertex_count, answers);         // of all hulls at once
  *     seaway_hull_step(&hull, &body, points, answers, 1.0 / 60);
  *
- * (seaway_sample_as of seaway_engine.h leaves out waves that are too short for the hull) or one, for one hull: seaway_hull_ride. Between samples the water moves on by its own velocity and slope. A step divides
- * itself as finely as the hull is stiff and as its added mass turns it, and drag is taken implicitly: no step makes it unstable, in a hurricane neither.
+ * (seaway_sample_as of seaway_engine.h leaves out waves that are too short for the hull) or one, for one hull: seaway_hull_ride. Between samples the water moves on by its own
+ * velocity and slope, as is right at choppiness 1; at another the surface rises by w - choppiness * u . slope, which answers do not say, and
+ * within a step it is off by the rest. A step divides itself as finely as the hull is stiff and as it turns, and drag is taken implicitly:
+ * no step makes a hull unstable, in a hurricane neither. Without any drag nothing takes away what waves push in.
  *
- * Cost: some 0.1 us a panel and part of a step, besides the samples. Nothing is allocated; pure, so safe from any
+ * Cost: some 0.15 us a panel and part of a step, besides the samples. Nothing is allocated; pure, so safe from any
  * thread. What fails changes nothing and returns SEAWAY_BAD_ARGUMENT (seaway_last_error() knows nothing of what is done
  * here; seaway_hull_fault may); with -ffast-math numbers that are none are not found. */
 #ifndef SEAWAY_CLIENT_BUOYANCY_H
@@ -37,8 +47,11 @@
 #include "buoyancy_panel.h"
 #include "seaway.h"
 
-/* m/s2, what a scene has where it says nothing else; kg/m3, sea water at 15 C (ITTC 7.5-02-01-03). */
+/* m/s2, what a scene has where it says nothing else. The library does not say what a scene has: for one that says something else,
+ * define it before this header is included. kg/m3, sea water at 15 C (ITTC 7.5-02-01-03). */
+#ifndef SEAWAY_GRAVITY_MPS2
 #define SEAWAY_GRAVITY_MPS2 9.81
+#endif
 #define SEAWAY_DENSITY_KGPM3 1026.0
 
 /* Pointers are read while a function runs and kept by none. */
@@ -47,9 +60,10 @@ typedef struct seaway_hull {
     double inertia_kgm2[3]; /* about the axes of the body */
     double added_mass[3];   /* times mass_kg, along these axes; 0 or more */
     double added_inertia[3];
-    double linear_drag;    /* N s/m for each m2 that is wet; 0 or more */
-    double quadratic_drag; /* 0 or more; 1 for a blunt box */
-    double density_kgpm3;  /* of the water; 0: SEAWAY_DENSITY_KGPM3 */
+    double linear_drag; /* N s/m for each m2 that is wet; 0 or more */
+    double
+        quadratic_drag; /* 0 or more; 0.5 for a blunt box, whose Cd is 1.05; of sample points Cd */
+    double density_kgpm3; /* of the water; 0: SEAWAY_DENSITY_KGPM3 */
 
     /* Corners x, y, z of a closed mesh, or sample points, in the body. */
     const double* vertices_m;
@@ -72,7 +86,7 @@ typedef struct seaway_body {
 /* Why a hull cannot float; NULL if it can. A mesh has to be closed, its triangles anticlockwise from outside. */
 static inline const char* seaway_hull_fault(const seaway_hull* hull);
 
-/* Volume of a closed mesh, or of all columns, m3. */
+/* Volume of a closed mesh, or of all columns, m3; 0 of a hull without either. */
 static inline double seaway_hull_volume_m3(const seaway_hull* hull);
 
 /* Where the water has to be known: above every vertex. */
@@ -86,7 +100,7 @@ static inline void seaway_hull_load(const seaway_hull* hull, const seaway_body* 
                                     double later_s, seaway_load* load);
 
 /* Moves the body on by step_s, 0 to 1 s, which starts at the time of the points. SEAWAY_BAD_ARGUMENT: a step outside of that, or one
- * that takes more than SEAWAY_PARTS_MAX parts (of a light or slender hull take shorter steps); any number of points, water, hull or
+ * that a hull so stiff takes more than SEAWAY_PARTS_MAX parts for (of a light or slender hull take shorter steps); any number of points, water, hull or
  * body that is none, or from which none follows, a normal of no length, a hull without parts; the body stays where it was. Whether
  * corners of triangles are vertices, seaway_hull_fault alone looks at: ask it once for a hull from elsewhere. */
 #define SEAWAY_PARTS_MAX 1000
@@ -132,8 +146,9 @@ static inline void seaway_box(double length_m, double beam_m, double height_m,
         triangles[i] = faces[i];
 }
 
-/* A mesh from the text of an OBJ file: its v and f lines, other lines are passed over. Faces of more corners become fans, corners may
- * be v, v/vt, v//vn, v/vt/vn, and negative as counted from the end. Writes at most as many as there is room for and says how many
+/* A mesh from the text of an OBJ file: its v and f lines, other lines are passed over; lines end as anywhere (LF, CR LF, CR). Faces of
+ * more corners become fans: of a concave one drag counts what overlaps twice. Corners may be v, v/vt, v//vn, v/vt/vn, and negative
+ * as counted from the end. A file without faces is no fault here, but of the hull: seaway_hull_fault. Writes at most as many as there is room for and says how many
  * there are: ask once with no room, then with it. SEAWAY_BAD_ARGUMENT: a number or corner that makes no sense; `line` says where. */
 typedef struct seaway_obj {
     double* vertices_m; /* x, y, z each; NULL where there is no room */
@@ -197,5 +212,6 @@ static inline void seaway_turn_from_engine(seaway_frame frame, const double q[4]
 
 #include "buoyancy_hull.h"
 #include "buoyancy_obj.h"
+#include "buoyancy_step.h"
 
 #endif

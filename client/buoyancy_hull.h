@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Part of seaway/buoyancy.h: what its functions do. */
+/* Part of seaway/buoyancy.h: what a hull is, and what the water does to it. */
 #ifndef SEAWAY_CLIENT_BUOYANCY_HULL_H
 #define SEAWAY_CLIENT_BUOYANCY_HULL_H
 
@@ -24,7 +24,7 @@ static inline void seaway_slope(const seaway_answer* water, double slope[2]) {
 }
 
 /* The corner of a hull in the water. The surface goes on from where it was asked for: by its slope to where the vertex is
- * by now, and in time as its own water rises (the kinematic condition, d eta/dt = w - u . grad eta). */
+ * by now, and in time as its own water rises (the kinematic condition at choppiness 1, d eta/dt = w - u . grad eta). */
 static inline void seaway_corner_of(const seaway_body* body, double rows[3][3],
                                     const double vertex_m[3], const seaway_point* point,
                                     const seaway_answer* water, double later_s,
@@ -55,15 +55,21 @@ static inline void seaway_add_column(const seaway_corner* corner, const seaway_a
     seaway_add(load->force_n, 1, force);
     seaway_add(load->torque_nm, 1, torque);
     load->submerged_m3 += volume_m3 * share;
-    seaway_add_drag(corner->arm_m, volume_m3 / column_m * share, corner->flow_mps, corner->flow_mps,
-                    linear, quadratic, load);
+    if (share > 0 && share < 1)
+        load->dips_m3ps += volume_m3 / column_m * corner->flow_mps[2];
+    const double area_m2 = volume_m3 / column_m * share;
+    const double drag_nspm = area_m2 * (linear + quadratic * seaway_length(corner->flow_mps));
+    for (int i = 0; i < 3; ++i) {
+        const double along[3] = {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0};
+        seaway_add_drag(corner->arm_m, along, corner->flow_mps[i], drag_nspm, load);
+    }
+    seaway_add_wetted(corner->arm_m, area_m2, corner->flow_mps, load);
 }
 
 static inline void seaway_hull_load(const seaway_hull* hull, const seaway_body* body,
                                     const seaway_point* points, const seaway_answer* answers,
                                     double later_s, seaway_load* load) {
-    const seaway_load none = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0,
-                              0,         0,         0,         {0, 0, 0}, {0, 0, 0}};
+    static const seaway_load none = {{0}, {0}, {0}, {0}, {{0}}, 0, 0, 0, {0}, {0}};
     const double density = seaway_density_of(hull);
     const double weight_npm3 = density * SEAWAY_GRAVITY_MPS2;
     const double quadratic = 0.5 * density * hull->quadratic_drag;
@@ -121,56 +127,9 @@ static inline double seaway_hull_volume_m3(const seaway_hull* hull) {
     double volume_m3 = 0, area_m2[3];
     for (size_t i = 0; i < hull->triangle_count; ++i)
         volume_m3 += seaway_triangle(hull, i, area_m2);
-    for (size_t v = 0; hull->triangle_count == 0 && v < hull->vertex_count; ++v)
+    for (size_t v = 0; hull->triangle_count == 0 && hull->volumes_m3 && v < hull->vertex_count; ++v)
         volume_m3 += hull->volumes_m3[v];
     return volume_m3;
-}
-
-/* How fast Munk's moment and the body's own turn may take it around, rad/s: its momentum beside the fastest water turns about each
- * axis what is heavier along one of the other two. 0 where it is as heavy along all. */
-static inline double seaway_turns_by(const seaway_hull* hull, const seaway_body* body,
-                                     const seaway_answer* answers, double step_s) {
-    double heaviest = 0, turned_pkgm2 = 0;
-    for (int i = 0; i < 3; ++i) {
-        const double one = 1 + hull->added_mass[(i + 1) % 3],
-                     other = 1 + hull->added_mass[(i + 2) % 3];
-        heaviest = fmax(heaviest, one);
-        turned_pkgm2 =
-            fmax(turned_pkgm2, fabs(1 / one - 1 / other) /
-                                   (hull->inertia_kgm2[i] * (1 + hull->added_inertia[i])));
-    }
-    if (!(turned_pkgm2 > 0))
-        return 0;
-    double beside_mps = seaway_length(body->velocity_mps); /* of the air */
-    for (size_t v = 0; v < hull->vertex_count; ++v) {
-        double past_mps[3];
-        for (int i = 0; i < 3; ++i)
-            past_mps[i] = answers[v].velocity_mps[i] - body->velocity_mps[i];
-        beside_mps = fmax(beside_mps, seaway_length(past_mps));
-    }
-    beside_mps += SEAWAY_GRAVITY_MPS2 * step_s;
-    return beside_mps * heaviest * sqrt(turned_pkgm2 * hull->mass_kg) +
-           seaway_length(body->angular_velocity_radps);
-}
-
-/* Square of an angular frequency that no motion of the hull in still water is above, (rad/s)2: its stiffness is at most that of
- * half of its surface at the far end of its longest arm. */
-static inline double seaway_stiffness(const seaway_hull* hull) {
-    double half_m2 = 0, arm2_m2 = 0, area_m2[3];
-    for (size_t i = 0; i < hull->triangle_count; ++i) {
-        seaway_triangle(hull, i, area_m2);
-        half_m2 += 0.5 * seaway_length(area_m2);
-    }
-    for (size_t v = 0; v < hull->vertex_count; ++v) {
-        const double* vertex_m = hull->vertices_m + 3 * v;
-        arm2_m2 = fmax(arm2_m2, seaway_dot(vertex_m, vertex_m));
-        half_m2 += hull->triangle_count == 0 ? hull->volumes_m3[v] / hull->column_m : 0;
-    }
-    const double stiffness_npm = seaway_density_of(hull) * SEAWAY_GRAVITY_MPS2 * half_m2;
-    double softest = stiffness_npm / hull->mass_kg;
-    for (int i = 0; i < 3; ++i)
-        softest = fmax(softest, stiffness_npm * arm2_m2 / hull->inertia_kgm2[i]);
-    return softest;
 }
 
 static inline const char* seaway_hull_numbers_fault(const seaway_hull* hull) {
@@ -250,134 +209,6 @@ static inline const char* seaway_hull_fault(const seaway_hull* hull) {
     if (!(seaway_hull_volume_m3(hull) > 0))
         return "it has no volume: triangles are anticlockwise from outside";
     return NULL;
-}
-
-/* How fast the body moves beside the water around its wet parts; in the air, beside still air. */
-static inline void seaway_beside_water(const seaway_body* body, const seaway_load* load,
-                                       double beside_mps[3]) {
-    double turned[3];
-    for (int i = 0; i < 3; ++i)
-        beside_mps[i] = body->velocity_mps[i];
-    if (!(load->wetted_m2 > 0))
-        return;
-    seaway_cross(body->angular_velocity_radps, load->arm_m3, turned);
-    for (int i = 0; i < 3; ++i)
-        beside_mps[i] = -(load->flow_m3ps[i] + turned[i]) / load->wetted_m2;
-}
-
-/* Of a momentum beside the water that goes another way than the body. */
-static inline void seaway_add_munk(const double momentum[3], const double beside_mps[3],
-                                   double share, double torque[3]) {
-    double munk[3];
-    seaway_cross(momentum, beside_mps, munk);
-    seaway_add(torque, share, munk);
-}
-
-/* One part of a step: the momenta first, by the forces where the body is, then the places by the new velocities, which
- * keeps the energy of waves bounded; the turn goes by what the body's inertia is half of the way, which keeps that of a spin. A body with
- * added mass is heavier along some of its axes: its momentum beside the water lasts while it turns, not its velocity, and pulls it around
- * (Munk's moment, half of it before the turn and half behind, without which turning would make energy of nothing; Lamb, Hydrodynamics, 121). Drag is
- * divided by 1 + twice what it would do within the part, since off the centre what it does along and around may add up: it slows, and
- * never reverses. A weight that drag alone bears sinks faster by that: short steps are right. */
-static inline void seaway_part(const seaway_hull* hull, seaway_body* body, const seaway_load* load,
-                               double part_s) {
-    double mass[3], lighter[3], lazier[3], inertia[3], rows[3][3], turn[3], half[4];
-    double beside[3], water[3], pushed[3], momentum[3], force[3], torque[3];
-    double least_kg = HUGE_VAL, least_kgm2 = HUGE_VAL;
-    for (int i = 0; i < 3; ++i) {
-        mass[i] = hull->mass_kg * (1 + hull->added_mass[i]);
-        inertia[i] = hull->inertia_kgm2[i] * (1 + hull->added_inertia[i]);
-        lighter[i] = 1 / mass[i];
-        lazier[i] = 1 / inertia[i];
-        least_kg = fmin(least_kg, mass[i]);
-        least_kgm2 = fmin(least_kgm2, inertia[i]);
-    }
-    const double slowed = 1 / (1 + 2 * part_s * load->drag_nspm / least_kg);
-    const double calmed = 1 / (1 + 2 * part_s * load->drag_nmsprad / least_kgm2);
-    for (int i = 0; i < 3; ++i) {
-        force[i] = load->force_n[i] + slowed * load->drag_n[i];
-        torque[i] = load->torque_nm[i] + calmed * load->drag_nm[i];
-    }
-    force[2] -= hull->mass_kg * SEAWAY_GRAVITY_MPS2;
-    seaway_rows(body->orientation, rows);
-    seaway_beside_water(body, load, beside);
-    for (int i = 0; i < 3; ++i)
-        water[i] = body->velocity_mps[i] - beside[i];
-    seaway_along_axes(rows, mass, beside, pushed);
-    seaway_add(pushed, part_s, force);
-    seaway_along_axes(rows, lighter, pushed, beside);
-    seaway_add_munk(pushed, beside, 0.5, torque);
-    for (int i = 0; i < 3; ++i)
-        body->velocity_mps[i] = water[i] + beside[i];
-    seaway_add(body->position_m, part_s, body->velocity_mps);
-    /* Angular momentum is what lasts: a body that spins freely keeps it, at any length of step. */
-    seaway_along_axes(rows, inertia, body->angular_velocity_radps, momentum);
-    seaway_add(momentum, part_s, torque);
-    seaway_along_axes(rows, lazier, momentum, turn);
-    for (int i = 0; i < 4; ++i)
-        half[i] = body->orientation[i];
-    for (int i = 0; i < 3; ++i)
-        turn[i] *= 0.5 * part_s;
-    seaway_turn(half, turn);
-    seaway_rows(half, rows);
-    seaway_along_axes(rows, lazier, momentum, turn);
-    for (int i = 0; i < 3; ++i)
-        turn[i] *= part_s;
-    seaway_turn(body->orientation, turn);
-    seaway_rows(body->orientation, rows);
-    seaway_along_axes(rows, lighter, pushed, beside);
-    seaway_add_munk(pushed, beside, 0.5 * part_s, momentum);
-    seaway_along_axes(rows, lazier, momentum, body->angular_velocity_radps);
-    for (int i = 0; i < 3; ++i)
-        body->velocity_mps[i] = water[i] + beside[i];
-}
-
-static inline int seaway_is_known(const seaway_answer* water) {
-    double sum =
-        water->height_m - water->height_m; /* 0; of what is no number or infinite: not a number */
-    for (int i = 0; i < 3; ++i)
-        sum += (water->normal[i] - water->normal[i]) +
-               (water->velocity_mps[i] - water->velocity_mps[i]);
-    return sum == 0 && seaway_length(water->normal) > 0;
-}
-
-static inline int seaway_is_somewhere(const seaway_body* body) {
-    double sum = 0;
-    for (int i = 0; i < 3; ++i)
-        sum += fabs(body->position_m[i]) + fabs(body->velocity_mps[i]) +
-               fabs(body->angular_velocity_radps[i]);
-    for (int i = 0; i < 4; ++i)
-        sum += fabs(body->orientation[i]);
-    return sum < HUGE_VAL;
-}
-
-static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body* body,
-                                           const seaway_point* points, const seaway_answer* answers,
-                                           double step_s) {
-    seaway_body moved = *body;
-    if (!(step_s >= 0 && step_s <= 1) || seaway_hull_numbers_fault(hull) ||
-        seaway_hull_parts_fault(hull))
-        return SEAWAY_BAD_ARGUMENT;
-    for (size_t v = 0; v < hull->vertex_count; ++v)
-        if (!seaway_is_known(&answers[v]) ||
-            !(fabs(points[v].x_m) + fabs(points[v].y_m) < HUGE_VAL))
-            return SEAWAY_BAD_ARGUMENT;
-    /* A quarter of the radian of the fastest motion that can be, an eighth of a turn by added mass, which is less forgiving.
-     * Whether a step takes too much follows from the hull alone, not from the weather. */
-    double parts = ceil(fmax(step_s * sqrt(seaway_stiffness(hull)) / 0.25, 1));
-    if (!(parts <= SEAWAY_PARTS_MAX))
-        return SEAWAY_BAD_ARGUMENT;
-    const double turns = ceil(step_s * seaway_turns_by(hull, body, answers, step_s) / 0.125);
-    parts = fmax(parts, fmin(turns, SEAWAY_PARTS_MAX));
-    for (double part = 0; part < parts; ++part) {
-        seaway_load load;
-        seaway_hull_load(hull, &moved, points, answers, (part + 0.5) * step_s / parts, &load);
-        seaway_part(hull, &moved, &load, step_s / parts);
-    }
-    if (!seaway_is_somewhere(&moved))
-        return SEAWAY_BAD_ARGUMENT;
-    *body = moved;
-    return SEAWAY_OK;
 }
 
 #endif

@@ -25,14 +25,13 @@ static inline int seaway_take(seaway_words* words, char character) {
 
 /* Takes blanks; 1 if a word follows: a comment is none. */
 static inline int seaway_next_word(seaway_words* words) {
-    while (seaway_take(words, ' ') || seaway_take(words, '\t') || seaway_take(words, '\r')) {
+    while (seaway_take(words, ' ') || seaway_take(words, '\t')) {
     }
     return words->at < words->end && *words->at != '#';
 }
 
 static inline int seaway_word_ends(const seaway_words* words) {
-    return words->at == words->end || *words->at == ' ' || *words->at == '\t' ||
-           *words->at == '\r' || *words->at == '#';
+    return words->at == words->end || *words->at == ' ' || *words->at == '\t' || *words->at == '#';
 }
 
 /* A whole number, at most 2^31; 0 if there is none. */
@@ -122,9 +121,11 @@ static inline seaway_code seaway_read_obj(const char* text, size_t length, seawa
         text += 3;
     while (text < end) {
         seaway_words words = {text, text};
-        while (words.end < end && *words.end != '\n')
+        while (words.end < end && *words.end != '\n' && *words.end != '\r')
             ++words.end;
         text = words.end + (words.end < end);
+        if (text < end && text[-1] == '\r' && *text == '\n')
+            ++text;
         ++mesh->line;
         if (!seaway_next_word(&words))
             continue;

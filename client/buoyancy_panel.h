@@ -75,9 +75,11 @@ typedef struct seaway_load {
     double torque_nm[3]; /* of pressure */
     double drag_n[3];    /* force of drag */
     double drag_nm[3];   /* torque of drag */
-    double drag_nspm;    /* slope of the drag's force with velocity, N s/m: an upper bound */
-    double drag_nmsprad; /* likewise of its torque with angular velocity, N m s */
+    /* What drag takes for each m/s (columns 0 to 2) and rad/s (3 to 5): of force (rows 0 to 2) and torque. Symmetric;
+     * only the half below the diagonal is filled in. */
+    double damping[6][6];
     double submerged_m3; /* volume below the surface */
+    double dips_m3ps;    /* how fast that grows as the hull moves through its water */
     double wetted_m2;    /* area below it; of sample points that of their columns */
     double flow_m3ps[3]; /* of how fast the water moves past that area, the integral */
     double arm_m3[3];    /* likewise of its arm from the centre of mass */
@@ -102,31 +104,34 @@ static inline seaway_corner seaway_between(const seaway_corner* a, const seaway_
     return c;
 }
 
-/* Drag of a wetted area at an arm: `across` is the part of the flow that the quadratic law takes. */
-static inline void seaway_add_drag(const double arm_m[3], double area_m2, const double flow_mps[3],
-                                   const double across_mps[3], double linear, double quadratic,
-                                   seaway_load* load) {
-    const double speed = seaway_length(across_mps);
-    double force[3], torque[3];
+/* Drag at an arm along one direction, against the flow along it. */
+static inline void seaway_add_drag(const double arm_m[3], const double along[3], double flow_mps,
+                                   double drag_nspm, seaway_load* load) {
+    double moves[6];
+    seaway_cross(arm_m, along, moves + 3);
     for (int i = 0; i < 3; ++i)
-        force[i] = area_m2 * (linear * flow_mps[i] + quadratic * speed * across_mps[i]);
-    seaway_cross(arm_m, force, torque);
-    seaway_add(load->drag_n, 1, force);
-    seaway_add(load->drag_nm, 1, torque);
-    const double slope = area_m2 * (linear + 2 * quadratic * speed);
-    load->drag_nspm += slope;
-    load->drag_nmsprad += slope * seaway_dot(arm_m, arm_m);
+        moves[i] = along[i];
+    seaway_add(load->drag_n, drag_nspm * flow_mps, moves);
+    seaway_add(load->drag_nm, drag_nspm * flow_mps, moves + 3);
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; j <= i; ++j)
+            load->damping[i][j] += drag_nspm * moves[i] * moves[j];
+}
+
+static inline void seaway_add_wetted(const double arm_m[3], double area_m2,
+                                     const double flow_mps[3], seaway_load* load) {
     load->wetted_m2 += area_m2;
     seaway_add(load->flow_m3ps, area_m2, flow_mps);
     seaway_add(load->arm_m3, area_m2, arm_m);
 }
 
 /* A triangle that is under water, its corners anticlockwise from outside. Pressure `weight` times depth is linear on it, so
- * force and torque are exact: of barycentric coordinates the integral of a square is A/6 and of a product A/12. */
-static inline void seaway_wet_triangle(const seaway_corner* a, const seaway_corner* b,
-                                       const seaway_corner* c, double weight_npm3, double linear,
-                                       double quadratic, seaway_load* load) {
-    double ab[3], ac[3], normal_m2[3], lever[3], torque[3], middle[3], flow[3], across[3];
+ * force and torque are exact: of barycentric coordinates the integral of a square is A/6 and of a product A/12. Drag stands in
+ * the middles of the edges, a third of the area each, which is as exact for the linear law. */
+static inline void seaway_wet_triangle(const seaway_corner corners[3], double weight_npm3,
+                                       double linear, double quadratic, seaway_load* load) {
+    const seaway_corner *a = &corners[0], *b = &corners[1], *c = &corners[2];
+    double ab[3], ac[3], normal[3], normal_m2[3], lever[3], torque[3];
     for (int i = 0; i < 3; ++i) {
         ab[i] = b->arm_m[i] - a->arm_m[i];
         ac[i] = c->arm_m[i] - a->arm_m[i];
@@ -142,17 +147,20 @@ static inline void seaway_wet_triangle(const seaway_corner* a, const seaway_corn
         lever[i] = (a->arm_m[i] * (depths_m + a->depth_m) + b->arm_m[i] * (depths_m + b->depth_m) +
                     c->arm_m[i] * (depths_m + c->depth_m)) /
                    12;
-        middle[i] = (a->arm_m[i] + b->arm_m[i] + c->arm_m[i]) / 3;
-        flow[i] = (a->flow_mps[i] + b->flow_mps[i] + c->flow_mps[i]) / 3;
+        normal[i] = normal_m2[i] / area_m2;
     }
     seaway_add(load->force_n, -weight_npm3 * depths_m / 3, normal_m2);
     seaway_cross(lever, normal_m2, torque);
     seaway_add(load->torque_nm, -weight_npm3, torque);
     load->submerged_m3 -= normal_m2[2] * depths_m / 3;
-    const double onto_mps = seaway_dot(flow, normal_m2) / area_m2;
-    for (int i = 0; i < 3; ++i)
-        across[i] = onto_mps * normal_m2[i] / area_m2;
-    seaway_add_drag(middle, area_m2, flow, across, linear, quadratic, load);
+    for (int i = 0; i < 3; ++i) {
+        const seaway_corner middle = seaway_between(&corners[i], &corners[(i + 1) % 3], 0.5);
+        const double onto_mps = seaway_dot(middle.flow_mps, normal);
+        seaway_add_drag(middle.arm_m, normal, onto_mps,
+                        area_m2 / 3 * (linear + quadratic * fabs(onto_mps)), load);
+        load->dips_m3ps -= area_m2 / 3 * onto_mps;
+        seaway_add_wetted(middle.arm_m, area_m2 / 3, middle.flow_mps, load);
+    }
 }
 
 /* Any triangle: what is below the water of it. */
@@ -171,8 +179,10 @@ static inline void seaway_add_panel(const seaway_corner corners[3], double weigh
             wet[count++].depth_m = 0;
         }
     }
-    for (int i = 2; i < count; ++i)
-        seaway_wet_triangle(&wet[0], &wet[i - 1], &wet[i], weight_npm3, linear, quadratic, load);
+    for (int i = 2; i < count; ++i) {
+        const seaway_corner fan[3] = {wet[0], wet[i - 1], wet[i]};
+        seaway_wet_triangle(fan, weight_npm3, linear, quadratic, load);
+    }
 }
 
 #endif

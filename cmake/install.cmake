@@ -44,7 +44,7 @@ install(DIRECTORY looks DESTINATION ${CMAKE_INSTALL_DATADIR}/seaway COMPONENT to
 install(TARGETS seaway_shared EXPORT seaway_targets
   LIBRARY DESTINATION ${libdir} COMPONENT library NAMELINK_COMPONENT development)
 install(FILES client/seaway.h client/seaway.hpp client/seaway_engine.h client/buoyancy.h client/buoyancy_hull.h client/buoyancy_obj.h
-  client/buoyancy_panel.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seaway
+  client/buoyancy_panel.h client/buoyancy_step.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/seaway
   COMPONENT development)
 install(EXPORT seaway_targets FILE seaway-targets.cmake NAMESPACE seaway::
   DESTINATION ${libdir}/cmake/seaway COMPONENT development)
@@ -100,9 +100,15 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS ${driver})
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libseaway${PROJECT_VERSION_MAJOR})
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
-# By these, packages of programs that are linked with it say so, and the loader's cache knows it.
-file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs
-  "libseaway ${PROJECT_VERSION_MAJOR} libseaway${PROJECT_VERSION_MAJOR} (>= ${PROJECT_VERSION})\n")
+# By these, packages of programs that are linked with it say so, and the loader's cache knows it. Before 1.0 another minor
+# version is another interface under the same name.
+set(library libseaway${PROJECT_VERSION_MAJOR})
+set(needed "${library} (>= ${PROJECT_VERSION})")
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  math(EXPR next_minor "${PROJECT_VERSION_MINOR} + 1")
+  string(APPEND needed ", ${library} (<< 0.${next_minor}~)")
+endif()
+file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs "libseaway ${PROJECT_VERSION_MAJOR} ${needed}\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs ${control}/triggers)
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION "client of a Seaway server: the water at any point
 A sea that a server computes, sampled in this process.")

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One buoy in the sea of a running server, as an engine would have it: 60 steps a second, a line each second.
  *
- *     cc -O2 buoy.c $(pkg-config --cflags --libs seaway) -lm -o buoy
+ *     cc -O2 buoy.c $(pkg-config --cflags --libs seaway) -o buoy
  *     ./buoy ws://127.0.0.1:9430 [SECONDS]
  *
  * A barrel 1.2 m high on a chain of its own weight alone: four sample points, columns of a quarter of its volume. */
@@ -52,6 +52,8 @@ static int float_for(seaway_client* sea, double seconds) {
         const int64_t next_us = seaway_now_us(sea);
         /* A pause of the program is not made up for in one step. */
         const double step_s = fmin((double)(next_us - now_us) * 1e-6, 0.1);
+        const seaway_body then = body; /* at the time of the water */
+        const int64_t then_us = now_us;
         const seaway_code code = seaway_hull_ride(&hull, &body, seaway_water_of_client, sea, now_us,
                                                   step_s, points, water);
         now_us = next_us;
@@ -60,8 +62,9 @@ static int float_for(seaway_client* sea, double seconds) {
         if (code != SEAWAY_OK)
             return complain("a step");
         if (step % STEPS_A_SECOND == 0)
-            printf("%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n", (double)now_us * 1e-6, water[0].height_m,
-                   body.position_m[2], body.position_m[0], body.position_m[1], water[0].error_m);
+            printf("%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n", (double)then_us * 1e-6,
+                   water[0].height_m, then.position_m[2], then.position_m[0], then.position_m[1],
+                   water[0].error_m);
         if (fflush(stdout) != 0) { /* a full disk, or nobody reads on */
             perror("buoy");
             return 1;

@@ -64,7 +64,21 @@ double median(std::vector<double> values) {
 struct Times {
     std::vector<double> water_us;
     std::vector<double> motion_us;
+    double off_m = 0; ///< at the last step, how far the raft that is farthest from its water is
 };
+
+/// Of a raft's middle from the mean of the water at its corners.
+double farthest_m(const std::vector<seaway_body>& bodies,
+                  const std::vector<seaway_answer>& answers) {
+    double off_m = 0;
+    for (std::size_t i = 0; i < floats; ++i) {
+        double water_m = 0;
+        for (std::size_t corner = 0; corner < corners; ++corner)
+            water_m += answers[i * corners + corner].height_m / corners;
+        off_m = std::max(off_m, std::abs(bodies[i].position_m[2] - water_m));
+    }
+    return off_m;
+}
 
 double since_us(std::chrono::steady_clock::time_point then) {
     return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - then)
@@ -85,6 +99,7 @@ bool step(const seaway::Sea& sea, const seaway_sampling& how, const seaway_hull&
     if (code != SEAWAY_OK)
         throw seaway::SeaError(code);
     times.water_us.push_back(since_us(begin));
+    times.off_m = farthest_m(bodies, answers);
     const auto sampled = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < floats; ++i)
         if (seaway_hull_step(&hull, &bodies[i], &points[i * corners], &answers[i * corners],
@@ -117,16 +132,13 @@ int run(const char* url, int steps) {
     }
     if (times.water_us.empty())
         return std::fprintf(stderr, "fleet: no water came\n"), 1;
-    double off_m = 0;
-    for (std::size_t i = 0; i < floats; ++i)
-        off_m = std::max(off_m, std::abs(bodies[i].position_m[2] - answers[i * corners].height_m));
     if (without > 0)
         std::printf("%d steps were left out, without water; ", without);
     std::printf(
         "%zu floats, %zu points in one batch: a step takes %.0f us for the water and %.0f us for "
         "the floats (medians of %zu); none is further than %.2f m from the water\n",
         floats, points.size(), median(times.water_us), median(times.motion_us),
-        times.water_us.size(), off_m);
+        times.water_us.size(), times.off_m);
     return 0;
 }
 

@@ -68,7 +68,9 @@ class Freighter {
         hull_.vertex_count = vertices_m_.size() / 3;
         hull_.triangles = triangles_.data();
         hull_.triangle_count = triangles_.size() / 3;
-        hull_.mass_kg = displaced_m3() * SEAWAY_DENSITY_KGPM3;
+        const seaway_load load = afloat();
+        trim(load);
+        hull_.mass_kg = load.submerged_m3 * SEAWAY_DENSITY_KGPM3;
         const double gyration_m[3] = {0.38 * beam_m, 0.25 * length_m, 0.25 * length_m};
         for (int i = 0; i < 3; ++i)
             hull_.inertia_kgm2[i] = hull_.mass_kg * gyration_m[i] * gyration_m[i];
@@ -78,12 +80,20 @@ class Freighter {
             hull_.added_mass[i] = added_mass[i];
             hull_.added_inertia[i] = added_inertia[i];
         }
-        hull_.linear_drag =
-            4000; // the waves that it makes: two fifths of what would stop its heave
-        hull_.quadratic_drag = 0.8;
+        hull_.linear_drag = 2500; // the waves that it makes, by its roll, its heave and its bow
+        hull_.quadratic_drag = 0.4;
     }
-    /// Below still water at its draught.
-    double displaced_m3() const {
+    /// Loads are stowed so that it floats upright: the centre of mass comes over that of buoyancy.
+    void trim(const seaway_load& afloat) {
+        const double ahead_m = -afloat.torque_nm[1] / afloat.force_n[2];
+        const double to_port_m = afloat.torque_nm[0] / afloat.force_n[2];
+        for (std::size_t i = 0; i < vertices_m_.size(); i += 3) {
+            vertices_m_[i] -= ahead_m;
+            vertices_m_[i + 1] -= to_port_m;
+        }
+    }
+    /// Of still water at its draught.
+    seaway_load afloat() const {
         std::vector<seaway_point> points(hull_.vertex_count);
         std::vector<seaway_answer> still(hull_.vertex_count);
         for (seaway_answer& water : still)
@@ -92,7 +102,7 @@ class Freighter {
         seaway_load load;
         seaway_hull_points(&hull_, &body, 0, points.data());
         seaway_hull_load(&hull_, &body, points.data(), still.data(), 0, &load);
-        return load.submerged_m3;
+        return load;
     }
 
     std::vector<double> vertices_m_;

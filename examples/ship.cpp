@@ -71,12 +71,15 @@ std::vector<Row> sail(seaway::Sea& sea, double seconds) {
     const int64_t begin_us = sea.now_us();
     for (int i = 0; i * step_s < seconds; ++i) {
         const int64_t time_us = begin_us + static_cast<int64_t>(std::llround(1e6 * step_s * i));
-        if (seaway_hull_ride(&hull, &body, seaway_water_of_client, sea.handle(), time_us, step_s,
-                             points.data(), answers.data()) != SEAWAY_OK)
-            throw std::runtime_error(*seaway_last_error() ? seaway_last_error()
-                                                          : "the hull takes no such step");
-        steer(body);
+        seaway_hull_points(&hull, &body, time_us, points.data());
+        const seaway_code code =
+            seaway_sample(sea.handle(), points.data(), points.size(), answers.data());
+        if (code != SEAWAY_OK)
+            throw seaway::SeaError(code);
         rows.push_back(row_of(body, answers, step_s * i));
+        if (seaway_hull_step(&hull, &body, points.data(), answers.data(), step_s) != SEAWAY_OK)
+            throw std::runtime_error("the hull takes no such step");
+        steer(body);
     }
     return rows;
 }

@@ -13,6 +13,8 @@ namespace seaway::tests {
 /// Water of this height, slope and velocity at a point.
 using Water = std::function<seaway_answer(const seaway_point&)>;
 
+inline constexpr double frame_s = 1.0 / 60; ///< a step of an engine
+
 inline seaway_answer still_water(const seaway_point&) {
     return {0, {0, 0, 1}, {0, 0, 0}, 0, 0, 0};
 }

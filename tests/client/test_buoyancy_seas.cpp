@@ -202,6 +202,36 @@ TEST(HullFiles, a_box_of_four_cornered_faces_is_a_box) {
     EXPECT_NEAR(seaway_hull_volume_m3(&box.hull), 8, 1e-14);
 }
 
+TEST(HullFiles, lines_end_as_on_any_machine) {
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        std::vector<double> vertices_m;
+        std::vector<std::uint32_t> triangles;
+        size_t line = 0;
+        std::string text;
+        for (const char* words : {"v 0 0 0", "v 1 0 0", "", "v 0 1 0", "f 1 2 3"})
+            text += words + end;
+        EXPECT_EQ(read(text, vertices_m, triangles, line), SEAWAY_OK) << line;
+        EXPECT_EQ(vertices_m.size(), 9u);
+        EXPECT_EQ(triangles, (std::vector<std::uint32_t>{0, 1, 2}));
+        EXPECT_EQ(line, 5u);
+    }
+}
+
+TEST(HullFiles, a_hull_of_a_file_without_faces_is_told_that_it_has_none) {
+    std::vector<double> vertices_m;
+    std::vector<std::uint32_t> triangles;
+    size_t line = 0;
+    ASSERT_EQ(read("v 0 0 0\nv 1 0 0\nv 0 1 0\n", vertices_m, triangles, line), SEAWAY_OK);
+    Floating box;
+    box.hull.vertices_m = vertices_m.data();
+    box.hull.vertex_count = vertices_m.size() / 3;
+    box.hull.triangles = triangles.data();
+    box.hull.triangle_count = triangles.size() / 3;
+    EXPECT_STREQ(seaway_hull_fault(&box.hull),
+                 "it has neither triangles nor volumes and a height of columns");
+    EXPECT_EQ(seaway_hull_volume_m3(&box.hull), 0);
+}
+
 TEST(HullFiles, a_line_that_makes_no_sense_is_named) {
     for (const char* wrong :
          {"v 1 2", "v 1 2 x", "v 1 2 1e999", "v 1 2 .", "f 1 2", "f 1 2 4", "f 1 2 0", "f 1 2 -4",
