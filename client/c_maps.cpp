@@ -122,6 +122,7 @@ seaway_code seaway_get_map(const seaway_client* client, const seaway_map_wish* w
         to.epoch = made.epoch;
         to.flags = made.flags;
         to.bytes = (grid - 1) * stride + row;
+        to.foam_mean = made.foam_mean;
         if (texels && bytes < to.bytes)
             return bad(fmt::format("seaway_get_map: the map takes {} bytes, room is for {}",
                                    to.bytes, bytes));

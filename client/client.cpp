@@ -100,16 +100,18 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
 
 void Client::take_keyframe(const HeldKeyframePtr& keyframe) {
     TimeUs now_us = 0, interval_us = 0;
+    double hurry = 1.0;
     {
         const std::scoped_lock lock(mutex_);
         now_us = sea_time_held();
+        hurry = paces_.hurry(elapsed_held());
         interval_us = interval_of(keyframe->keyframe(), sea_states_);
     }
     if (splines_ahead_ > 0 && keyframe->can_be_sampled()) {
         --splines_ahead_;
         keyframe->spline();
     }
-    ring_.insert_passing(keyframe, now_us, interval_us);
+    ring_.insert_passing(keyframe, now_us, interval_us, hurry);
     surfaces_.follow(ring_);
     {
         const std::scoped_lock lock(mutex_);
@@ -306,10 +308,13 @@ Result<void> Client::rebuild(TimeUs time_us) {
     SEAWAY_TRY(check_time(time_us));
     const SeaStatePtr state = sea_state(time_us);
     SEAWAY_TRY_LET(const RebuiltSeaPtr made, rebuild_from_scene(*state));
-    const std::scoped_lock lock(mutex_);
-    for (const SeaStatePtr& held : sea_states_)
-        if (held == state) // not replaced meanwhile
-            rebuilt_[state->epoch] = made;
+    {
+        const std::scoped_lock lock(mutex_);
+        for (const SeaStatePtr& held : sea_states_)
+            if (held == state) // not replaced meanwhile
+                rebuilt_[state->epoch] = made;
+    }
+    say_what_is_held(); // where nothing ticks nobody else does
     return {};
 }
 

@@ -18,10 +18,8 @@
 // server that comes back with the same sea goes on with what is held; one with another sea, or another time, makes this
 // client drop all of it: ClientStatus::seas counts them. What waits for a reply when the connection ends fails with lost.
 //
-// Thread-safe. Functions that block say so and must not be called from an event.
-//
-// ConnectOptions::threadless: this client makes no thread. The work of the network, events among it, is done in work_until() and in
-// functions that block, by whoever calls them, one thread at a time (client_threadless.cpp).
+// Thread-safe. Functions that block say so and must not be called from an event. With ConnectOptions::threadless it makes no
+// thread: work_until() and functions that block do the work of the network, events among it, for one thread at a time.
 #pragma once
 
 #include <atomic>
@@ -335,8 +333,10 @@ class Client {
     bool has_waves_held(std::uint32_t epoch) const;
     /// Of whose spectrum a steady sea is.
     std::uint32_t epoch_of_waves_held(const SeaState& steady) const;
-    /// mutex_ held. Of now, by the estimate alone.
-    sea::TimeUs sea_time_held() const;
+    sea::TimeUs elapsed_held() const; ///< mutex_ held. Of now, by the estimate alone
+    sea::TimeUs sea_time_held() const { return paces_.sea_time(elapsed_held()); }
+    /// mutex_ held. Paces that came late may put the sea far behind what was shown: time goes back then, in another sea. Does it?
+    bool show_where_it_is();
     SeaStatePtr sea_state_held(sea::TimeUs time_us) const;
     /// mutex_ held. From now, of those that are held: the first or the last.
     void forget_furthest_state();

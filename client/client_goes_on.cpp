@@ -222,10 +222,9 @@ void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
     }
 }
 
-TimeUs Client::sea_time_held() const {
+TimeUs Client::elapsed_held() const {
     const LocalUs local_us = local_now_us();
-    const double elapsed_us = clock_.status(local_us).offset_us + static_cast<double>(local_us);
-    return paces_.sea_time(std::llround(elapsed_us));
+    return std::llround(clock_.status(local_us).offset_us + static_cast<double>(local_us));
 }
 
 void Client::say_status() {
@@ -264,10 +263,14 @@ ClientStatus Client::status() const {
     const TimeUs sea_time_us = sea_time_held();
     const SeaStatePtr state = sea_state_held(sea_time_us);
     status.holds_waves = holds_waves_held(state);
-    status.holds_tiles = !state->cascades.empty();
+    const std::uint32_t counted =
+        subscription_.wanted() ? subscription_.wanted()->wish.cascades : sea::all_cascades;
     status.held_from_us = std::numeric_limits<TimeUs>::min();
     status.held_until_us = std::numeric_limits<TimeUs>::max();
     for (std::size_t c = 0; c < state->cascades.size(); ++c) {
+        if (!(counted >> c & 1u))
+            continue;
+        status.holds_tiles = true;
         const auto held = ring_
                               .held(static_cast<int>(c), state->epoch, sea_time_us,
                                     state->cascades[c].interval_us, fields)
@@ -275,7 +278,7 @@ ClientStatus Client::status() const {
         status.held_from_us = std::max(status.held_from_us, held.first);
         status.held_until_us = std::min(status.held_until_us, held.second);
     }
-    if (status.held_from_us >= status.held_until_us) {
+    if (!status.holds_tiles || status.held_from_us >= status.held_until_us) {
         status.holds_tiles = false;
         status.held_from_us = status.held_until_us = 0;
     }
@@ -335,6 +338,7 @@ void Client::join(Joining& joining, const SeaStatePtr& state) {
         paces_.add(pace);
     for (const Joining::Look& look : joining.looks)
         hear(look, !another.empty());
+    show_where_it_is();
     joining.joined = true;
 }
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/thread_time.h"
+#include "base/elapsed.h"
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "sea/surface/budget/error_budget.h"
@@ -105,12 +105,12 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
             surface.fold_blur_m());
         return {};
     }
-    const double begun_us = thread_time_us();
+    const double begun_s = thread_cpu_seconds();
     waves->at(time_us, [&](const RebuiltSea& sea) {
         const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
         for (std::size_t i = 0; i < points.size(); ++i)
             answers[i] = sea.answer(points[i], moment);
-        maps->summed(batch, thread_time_us() - begun_us);
+        maps->summed(batch, 1e6 * (thread_cpu_seconds() - begun_s));
         keep(0);
         const sea::Choppiness choppiness = sea.sum().sea().choppiness;
         put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
@@ -302,7 +302,7 @@ Result<CascadeMap> Client::map(int cascade, TimeUs time_us,
                     Failure::not_held,
                     fmt::format("no foam of cascade {} is held around that time", cascade));
         }
-        CascadeMap map{.epoch = state->epoch};
+        CascadeMap map{.epoch = state->epoch, .foam_mean = state->foam_mean_at(time_us)};
         std::optional<LocalSurface> held;
         const sea::FieldSet needed = needed_surface(channels);
         if (!needed.empty()) {

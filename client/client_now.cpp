@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "base/recycled.h"
 #include "client/client.h"
@@ -40,20 +41,35 @@ void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
             over->close("its sea is another one than before");
     };
     events.on_pace = [this, joining](const sea::Pace& pace) {
-        const std::scoped_lock lock(mutex_);
+        std::unique_lock lock(mutex_);
         joining->paces.push_back(pace);
         if (joining->paces.size() > sea::paces_max)
             joining->paces.erase(joining->paces.begin());
-        if (joining->joined)
-            paces_.add(pace);
+        if (!joining->joined)
+            return;
+        paces_.add(pace);
+        const bool back = show_where_it_is();
+        lock.unlock();
+        if (back)
+            say_status();
     };
+}
+
+bool Client::show_where_it_is() {
+    constexpr TimeUs made_up_within_us = 1'000'000; // of clocks
+    constexpr TimeUs let_be_us = 100'000;           // of a sea that stands
+    if (shown_us_ <= paces_.sea_time(elapsed_held() + made_up_within_us) + let_be_us)
+        return false;
+    ++seas_;
+    shown_us_ = std::numeric_limits<TimeUs>::min();
+    return true;
 }
 
 TimeUs Client::now_us() {
     const std::scoped_lock lock(mutex_);
     const TimeUs elapsed_us = clock_.now(local_now_us());
     paces_.forget_before(elapsed_us - paces_kept_us);
-    // A pace that was heard of late changes what follows, not what was shown.
+    // A pace that was heard of a little late changes what follows, not what was shown.
     shown_us_ = std::max(shown_us_, paces_.sea_time(elapsed_us));
     return shown_us_;
 }

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/thread_time.h"
+#include "base/elapsed.h"
 #include "client/client.h"
 #include "client/wave_room.h"
 #include "sea/waves/spectrum_builder.h"
@@ -210,10 +210,10 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
             surface->surface.answer(asked, answered, some.answering(maps->mixed()));
             continue;
         }
-        const double begun_us = thread_time_us();
+        const double begun_s = thread_cpu_seconds();
         then.waves->answer(asked, answered, some.terms, cascades);
         if (maps)
-            maps->summed(batch, thread_time_us() - begun_us);
+            maps->summed(batch, 1e6 * (thread_cpu_seconds() - begun_s));
         if (how.parts == sea::AnswerParts::height)
             for (sea::Answer& answer : answered)
                 leave_out_velocity(answer);

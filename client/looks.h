@@ -83,6 +83,7 @@ struct CascadeMap {
     double length_m = 0;
     double error_m = 0;              ///< bound on each height; 0 where nothing but foam is told
     double displacement_error_m = 0; ///< and on each component of D
+    double foam_mean = 0;            ///< what ratios of foam are to, then
     std::uint32_t flags = 0;         ///< answer_extrapolated, answer_stale: they are none
     std::vector<float> values;       ///< [y][x][channel]
 };

@@ -52,11 +52,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#if UINTPTR_MAX < UINT64_MAX
+#error "Seaway's client library is for 64 bit: no 32-bit program has the structs of its interface"
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* Grows with every change that a caller must be rebuilt for. */
+/* Grows with every change that a caller must be rebuilt for, and then, until 1.0, with the minor version of Seaway. */
 #define SEAWAY_ABI_VERSION 3
 uint32_t seaway_abi_version(void);
 
@@ -66,7 +70,9 @@ typedef enum seaway_code {
     SEAWAY_CANNOT_CONNECT = 2, /* no server there, or not one of ours, or it turned us away */
     SEAWAY_LOST = 3,           /* the connection has ended */
     SEAWAY_REFUSED = 4,        /* the server refused this request */
-    SEAWAY_DEADLINE = 5,       /* no reply in time; the connection goes on */
+    /* No reply in time; the connection goes on. What was subscribed to may begin all the same, and is asked for again after a
+     * loss: seaway_unsubscribe ends that. */
+    SEAWAY_DEADLINE = 5,
     SEAWAY_NOT_HELD =
         6, /* no keyframes around this time: subscribe, seaway_hold, or wait for the server */
     SEAWAY_INTERNAL = 7, /* out of memory, or a bug */
@@ -135,7 +141,8 @@ enum {
         3 /* lost for good: wrong token, another protocol, dropped by an administrator, stays_lost */
 };
 enum {
-    /* Keyframes to sample from: at every time from held_from_us to held_until_us, around now or else before it if they can be. */
+    /* Keyframes to sample from, of all cascades that are subscribed to or, where nothing is, of all: at every time from
+     * held_from_us to held_until_us, around now or else before it if they can be. */
     SEAWAY_HOLDS_TILES = 1,
     SEAWAY_HOLDS_WAVES = 2 /* waves: any time can be sampled */
 };
@@ -146,7 +153,8 @@ typedef struct seaway_status {
     uint32_t attempts;    /* since the connection ended */
     uint32_t connections; /* so far */
     /* Different seas so far, from 1 on. The server behind the address may have become another one, of another sea or another
-     * time: what was held is dropped then, and seaway_now_us is the time of that sea. */
+     * time: what was held is dropped then, and seaway_now_us is the time of that sea. It counts, too, where time goes back
+     * since a pause, or a slower pace, was not heard of while the connection was lost. */
     uint32_t seas;
     uint32_t holds;        /* sum of SEAWAY_HOLDS_TILES, SEAWAY_HOLDS_WAVES; of the sea of now */
     double next_attempt_s; /* SEAWAY_WAITING: until then; 0 also before it is known */
@@ -160,7 +168,7 @@ typedef struct seaway_status {
 seaway_code seaway_get_status(const seaway_client* client, seaway_status* status);
 
 /* Calls `watch(user, status)` whenever state, connections, seas, reason or holds are others, and when stale_s begins and ends, of
- * these latter three within some tenths of a second, on a thread of the library: it must not block, and not call seaway_disconnect or seaway_watch_status. Calls come one after the other; the status
+ * these latter three within some tenths of a second, on a thread of the library, or of who calls seaway_rebuild: it must not block, and not call seaway_disconnect or seaway_watch_status. Calls come one after the other; the status
  * is valid during the call. NULL ends it: no call is under way when this returns. One a client. */
 typedef void (*seaway_status_watch)(void* user, const seaway_status* status);
 seaway_code seaway_watch_status(seaway_client* client, seaway_status_watch watch, void* user);
@@ -193,7 +201,7 @@ typedef struct seaway_sea {
     double tp_s;           /* peak period */
     double tz_s;           /* mean zero-crossing period */
     double mean_from_deg;  /* nautical bearing that waves come from */
-    double height_error_m; /* the error budget of the scene */
+    double height_error_m; /* the error budget of the scene, on level water */
     uint32_t epoch;
     uint32_t cascades;
 } seaway_sea;
@@ -217,8 +225,9 @@ enum {
               not known which sea ran; error_m is no bound */
     SEAWAY_INVALID = 8, /* a coordinate was not a finite number; the rest is NaN */
     SEAWAY_EXACT = 16,  /* direct sum in double precision */
-    SEAWAY_VERTICAL_VELOCITY =
-        32, /* a sea offered without sideways motion: velocity's vertical part */
+    /* Velocity's vertical part alone: a sea offered without sideways motion, or stylised waves (of scenes with sines, exponential
+     * crests or noise), which move nothing sideways. Where a sea has other waves beside these, the sideways part is of them. */
+    SEAWAY_VERTICAL_VELOCITY = 32,
     SEAWAY_OPEN =
         64, /* with SEAWAY_FOLDED: which sheet is the highest is open; error_m is no bound */
     /* Nothing is heard of the server, or it says itself that others may have changed the sea. error_m has grown by what a change to a sea no higher than this one may have made of it
@@ -256,18 +265,22 @@ enum {
 };
 
 typedef struct seaway_subscription {
-    double error_m;   /* wanted bound on height, up to 1e6; 0: the server chooses */
+    /* Wanted bound on height on level water, up to 1e6; 0: the server chooses. On slopes answers state more, as displacements
+     * are off, too. */
+    double error_m;
     uint32_t credit;  /* keyframes under way, 1 .. 8; 0: 2 */
     uint32_t rung;    /* SEAWAY_TILES or SEAWAY_SPECTRUM; one does not end the other */
     double timeout_s; /* up to 86400; 0: 10 */
     /* Of tiles, for thin lines; what is left out counts in error_m of every answer. 0: no limit. */
-    double rate_hz_max; /* keyframes of each cascade a second, 1 to 1000 */
-    uint32_t size_max;  /* grid points a side of a map, 32 to 2048 */
-    uint32_t reserved;  /* 0 */
+    double
+        rate_hz_max; /* keyframes of each cascade a second of sea time, 1 to 1000: at pace 10 ten times as many */
+    uint32_t size_max; /* grid points a side of a map, 32 to 2048 */
+    uint32_t reserved; /* 0 */
 } seaway_subscription;
 
 /* Has what is needed for sampling sent from now on; NULL: the defaults. An earlier subscription of the
- * same rung is replaced. Blocks until the present can be sampled. */
+ * same rung is replaced. Blocks until the present can be sampled; where the server grants tiles and has no room for the
+ * keyframes around now, until it says so: then SEAWAY_OK, and the present is SEAWAY_NOT_HELD until later ones have come. */
 seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* subscription);
 
 /* Ends the stream, of both rungs. What is held stays. */

@@ -58,12 +58,12 @@ enum {
     SEAWAY_STRAIN_YY = 9,
     SEAWAY_STRAIN_XY = 10,
     SEAWAY_JACOBIAN = 11, /* of this cascade alone, choppiness included */
-    SEAWAY_FOAM =
-        12, /* ratio to the mean of the sea; docs/foam.md says how cascades are put together */
+    SEAWAY_FOAM = 12, /* ratio to seaway_map.foam_mean, which says how cascades are put together */
     SEAWAY_NO_FIELD = 255 /* of seaway_map_wish: zeros */
 };
 #define SEAWAY_BIT(field) (UINT32_C(1) << (field))
-/* All that sampling needs, and what slopes, strains and the Jacobian are made of. */
+/* All that sampling needs, and what this library makes slopes, strains and the Jacobian of: no call of it reads those where they
+ * were sent, which serves programs that speak the protocol themselves. */
 #define SEAWAY_SURFACE_FIELDS UINT32_C(63)
 
 typedef struct seaway_wish {
@@ -75,9 +75,9 @@ typedef struct seaway_wish {
         cascades; /* bit c: cascade c, 0 the longest waves; 0: all. Of less, sample with seaway_looking.cascades */
     uint32_t
         size_max; /* grid points a side of a map, 32 to 2048; 0: no limit. Cut maps have no foam */
-    double error_m; /* wanted bound on height, up to 1e6; 0: the server chooses */
+    double error_m; /* wanted bound on height on level water, up to 1e6; 0: the server chooses */
     double
-        rate_hz_max; /* keyframes of each cascade a second, 1 to 1000; 0: no limit. SEAWAY_REFUSED: waves need more */
+        rate_hz_max;   /* as in seaway_subscription; 0: no limit. SEAWAY_REFUSED: waves need more */
     double timeout_s;  /* up to 86400; 0: 10 */
     uint32_t credit;   /* keyframes under way, 1 .. 8; 0: 2 */
     uint32_t reserved; /* 0 */
@@ -87,8 +87,10 @@ typedef struct seaway_grant {
     uint32_t size;
     uint32_t fields;
     uint32_t cascades;
-    uint32_t size_max;  /* 0: maps are not cut */
-    double error_m;     /* bound on height that these tiles give, all parts together */
+    uint32_t size_max; /* 0: maps are not cut */
+    /* Bound on height that these tiles give on level water, all parts together. Answers state their own: on slopes more, in a gale
+     * one of twenty, as displacements are off, too. */
+    double error_m;
     double rate_hz_max; /* 0: all there are */
     uint32_t credit;
     uint32_t reserved;
@@ -97,11 +99,12 @@ typedef struct seaway_grant {
 
 /* seaway_subscribe of SEAWAY_TILES with a choice: it replaces it, and is replaced by it. NULL wish: the defaults; NULL grant: not
  * told. A field, cascade or limit that there is not is SEAWAY_BAD_ARGUMENT by its name; what the server has not is left out
- * of the grant, which says so. Blocks until the present is held. */
+ * of the grant, which says so. Blocks as seaway_subscribe. */
 seaway_code seaway_subscribe_to(seaway_client* client, const seaway_wish* wish,
                                 seaway_grant* grant);
 
-/* What it gets now: a change of the sea may make it another. SEAWAY_NOT_HELD: there is none. */
+/* What it gets now: a change of the sea may make it another. While the connection is lost, what it got last. SEAWAY_NOT_HELD: there
+ * is none. */
 seaway_code seaway_get_grant(const seaway_client* client, seaway_grant* grant);
 
 /* ---- what there is ----------------------------------------------------------------------------- */
@@ -138,7 +141,7 @@ typedef struct seaway_state {
     double place_max_m;  /* coordinates, either side of 0 */
     int64_t time_max_us; /* times, either side of 0 */
     int64_t now_us;
-    double error_m; /* granted bound on height; 0: none is granted */
+    double error_m; /* seaway_grant's; 0: none is granted */
 } seaway_state;
 
 seaway_code seaway_get_state(seaway_client* client, seaway_state* state);
@@ -205,8 +208,10 @@ seaway_code seaway_sample_water(const seaway_client* client, const seaway_lookin
 
 /* The water below the surface above it. */
 typedef struct seaway_below {
-    seaway_answer surface;  /* above the point: height, normal, velocity, bound; flags of both */
-    double velocity_mps[3]; /* of the water at the point; zero with SEAWAY_DRY */
+    seaway_answer surface; /* above the point: height, normal, velocity, bound; flags of both */
+    /* Of the water at the point; zero with SEAWAY_DRY. With SEAWAY_VERTICAL_VELOCITY it and the pressure are of the waves alone that have
+     * water below them, not of stylised ones: zero where there are no others. */
+    double velocity_mps[3];
     /* Dynamic pressure over density: times the water's density it is what presses there beside -density g z, and beside the
      * air. Zero in still water and with SEAWAY_DRY. */
     double pressure_m2ps2;
@@ -331,15 +336,21 @@ typedef struct seaway_map_wish {
 
 typedef struct seaway_map {
     uint32_t size;
-    uint32_t
-        grid; /* texels a side. Texel (x, y) is the point (x, y) * length_m / grid before it is displaced; row 0 is south */
+    /* Texels a side. Texel (x, y) is the point (x, y) * length_m / grid before it is displaced; row 0 is south. In the APIs of GPUs its
+     * centre lies at (x + 0.5) / grid: there the point X is at u = X / length_m + 0.5 / grid. */
+    uint32_t grid;
     double length_m; /* the tile repeats at this length */
     int64_t time_us;
-    double error_m; /* bound on each height, rounding to half floats included; 0 of foam alone */
+    /* Bound on each texel's height, rounding to half floats included, not on what a filter makes of them between texels; 0 of foam
+     * alone. */
+    double error_m;
     double displacement_error_m; /* likewise on each displacement, at choppiness 1 */
     uint32_t epoch;
     uint32_t flags; /* SEAWAY_EXTRAPOLATED, SEAWAY_STALE: the bounds are none then */
     size_t bytes;   /* that this wish takes */
+    /* Share of the sea that is white at this time, on average. With the ratio r of each cascade's map at an undisplaced point, linear
+     * between texels, clamp(foam_mean * (2 product (1 + r) / 2 - 1), 0, 1) is that of the point; 0: there is no foam. */
+    double foam_mean;
 } seaway_map;
 
 /* One cascade at one time into `texels`, which has room for `bytes`; NULL: `map` alone is filled in. From keyframes that came where they cover the time, else from such as are made of
@@ -414,7 +425,7 @@ SEAWAY_HAS_SIZE(seaway_below, 104);
 SEAWAY_HAS_SIZE(seaway_sampling, 32);
 SEAWAY_HAS_SIZE(seaway_terms, 128);
 SEAWAY_HAS_SIZE(seaway_map_wish, 48);
-SEAWAY_HAS_SIZE(seaway_map, 56);
+SEAWAY_HAS_SIZE(seaway_map, 64);
 SEAWAY_HAS_SIZE(seaway_event, 16);
 
 #endif

@@ -22,7 +22,8 @@ struct ClientStatus {
     std::string reason;
     int attempts = 0;    ///< since the connection ended
     int connections = 0; ///< so far
-    /// Different ones so far behind the address: from 1 on. With another one its time, epochs and waves are others.
+    /// Different ones so far behind the address: from 1 on. With another one its time, epochs and waves are others. One whose time
+    /// has gone back counts, too: a pause, or a slower pace, was not heard of while the line was away.
     int seas = 0;
     double next_attempt_s = 0; ///< waiting: until then; 0 also before it is known
     /// Since the server was heard last, or was sure of its sea; 0 while that is known to go on. Answers about later times are flagged
@@ -30,8 +31,8 @@ struct ClientStatus {
     double stale_s = 0;
     /// Sampling answers about now, and about every time, from waves.
     bool holds_waves = false;
-    /// Keyframes of the sea of now are held that it can be sampled from: at every time between these, which are around now or
-    /// else before it, if there are such.
+    /// Keyframes of the sea of now, of all cascades that are subscribed to or else of all, are held that it can be sampled from: at
+    /// every time between these, which are around now or else before it, if there are such.
     bool holds_tiles = false;
     sea::TimeUs held_from_us = 0;
     sea::TimeUs held_until_us = 0;

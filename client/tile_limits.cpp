@@ -11,7 +11,8 @@ namespace limits = protocol::limits;
 
 void TileLimits::describe(CommandLine& line) {
     line.option("--rate-max", rate_hz_max,
-                "Streamed keyframes of each cascade a second, at most; what that misses is stated")
+                "Streamed keyframes of each cascade a second of sea time, at most; what that "
+                "misses is stated")
         .takes("HZ");
     line.option("--size-max", size_max,
                 "Streamed maps have so many points a side at most; what that misses is stated")

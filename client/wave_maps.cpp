@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/thread_time.h"
+#include "base/elapsed.h"
 #include "sea/surface/map_error.h"
 
 namespace seaway::client {
@@ -72,7 +72,7 @@ void WaveMaps::summed(const WaveBatch& batch, double took_us) {
 }
 
 HeldKeyframePtr WaveMaps::make(const Needed& one) {
-    const double begun_us = thread_time_us();
+    const double begun_s = thread_cpu_seconds();
     std::optional<sea::Keyframe> keyframe =
         keyframes_.make(state_->epoch, one.cascade, one.time_us);
     if (!keyframe)
@@ -88,7 +88,7 @@ HeldKeyframePtr WaveMaps::make(const Needed& one) {
     HeldKeyframePtr made = HeldKeyframe::as_spline(std::make_shared<const HeldKeyframe>(
         *std::move(keyframe), HeldKeyframe::FieldErrors{}, misses));
     ++made_;
-    prices_.made(one.cascade, thread_time_us() - begun_us);
+    prices_.made(one.cascade, 1e6 * (thread_cpu_seconds() - begun_s));
     return made;
 }
 

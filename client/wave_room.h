@@ -8,16 +8,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "protocol/limits.h"
 #include "sea/waves/spectrum_builder.h"
 
 namespace seaway::client {
 
 /// Of one point of a tile: an amplitude and a frequency.
 inline constexpr std::size_t wave_point_bytes = 24;
-/// Points of all tiles whose waves are held: as many as of a few of the largest seas there may be, 805 MB.
-inline constexpr std::size_t wave_points_max =
-    protocol::limits::spectra_max * sea::spectrum_modes_max;
+/// Points of all tiles whose waves are held: as many as of four of the largest seas there may be, 805 MB.
+inline constexpr std::size_t wave_points_max = 4 * sea::spectrum_modes_max;
 
 /// The waves of a sea that is done without if it has to be.
 struct WavesHeld {

@@ -19,10 +19,8 @@ enum Op : std::uint32_t {
     op_type_vector = 23,
     op_type_matrix = 24,
     op_type_image = 25,
-    op_type_sampler = 26,
     op_type_sampled_image = 27,
     op_type_array = 28,
-    op_type_runtime_array = 29,
     op_type_struct = 30,
     op_type_pointer = 32,
     op_constant = 43,
@@ -40,7 +38,6 @@ enum Decoration : std::uint32_t {
     decoration_offset = 35,
 };
 enum Storage : std::uint32_t {
-    storage_uniform_constant = 0,
     storage_uniform = 2,
     storage_push_constant = 9,
     storage_buffer = 12,

@@ -2,13 +2,13 @@
 #include "local/local_sea.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "sea/scene/scene_names.h"
 #include "server/simulation/schedule.h"
 #include "shaders/shared/view.h"
 
@@ -54,20 +54,14 @@ std::size_t map_bytes(const server::RunningSea& sea) {
     return most;
 }
 
-/// Bearing that waves come from, 0 .. 360 degrees.
-double from_deg(double towards_rad) {
-    const double degrees = 270 - towards_rad * 180 / sea::pi;
-    return degrees - 360 * std::floor(degrees / 360);
-}
-
 /// What a server would say of this sea, as far as it is shown.
 client::SeaStatePtr state_of(const server::RunningSea& sea) {
     auto state = std::make_shared<client::SeaState>();
     state->epoch = sea.epoch;
     const auto numbers = [](const sea::SeaStatistics& of) {
-        return protocol::SeaNumbers{of.significant_height_m,       of.peak_period_s,
-                                    of.zero_crossing_period_s,     of.mean_period_s,
-                                    from_deg(of.mean_towards_rad), of.spread_rad * 180 / sea::pi,
+        return protocol::SeaNumbers{of.significant_height_m,   of.peak_period_s,
+                                    of.zero_crossing_period_s, of.mean_period_s,
+                                    sea::mean_from_deg(of),    of.spread_rad * 180 / sea::pi,
                                     of.mean_square_slope};
     };
     state->requested = numbers(sea.summary.requested);

@@ -66,8 +66,9 @@ inline constexpr double spectrum_bytes_per_s = 1900;
 /// Chunks of one sea.
 inline constexpr std::uint32_t spectrum_chunks_max = 4096;
 
-/// Spectra at once: of the sea that runs, of the one that it comes from and of those that were announced.
-inline constexpr std::uint32_t spectra_max = 4;
+/// Spectra at once: of the sea that runs, of the glides that it took over from and the sea that they left, ten together, and of
+/// those that were announced.
+inline constexpr std::uint32_t spectra_max = 16;
 /// Sea states that a server takes a client to know still, of those that it was told last; clients hold more, and so never lack
 /// one whose tiles come: twice a timetable.
 inline constexpr std::size_t sea_states_told = 64;

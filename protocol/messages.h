@@ -166,6 +166,7 @@ struct CascadeInfo {
     double k_hi_radpm = 0;
     bool placed_alone = false;    ///< no waves of spectra, those alone that a scene places
     std::int64_t interval_us = 0; ///< between keyframes, which lie at whole multiples of it
+    bool stylised = false;        ///< some of its waves are no modes: they move nothing sideways
 };
 
 /// Bulk statistics of a sea; names as in `seaway-inspect --format json`.

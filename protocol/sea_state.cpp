@@ -116,6 +116,17 @@ double SeaStateValues::glided(double GlideValues::*from, double to, sea::TimeUs 
                  : to;
 }
 
+namespace {
+
+std::uint32_t stylised_bits(std::span<const CascadeInfo> cascades) {
+    std::uint32_t bits = 0;
+    for (std::size_t c = 0; c < cascades.size(); ++c)
+        bits |= cascades[c].stylised ? 1u << c : 0u;
+    return bits;
+}
+
+} // namespace
+
 Bytes sea_state(const SeaStateValues& state) {
     SEAWAY_CHECK(state.scene.size() <= limits::scene_bytes_max, "scene too long for the wire");
     flatbuffers::FlatBufferBuilder built(1024 + state.scene.size());
@@ -163,7 +174,7 @@ Bytes sea_state(const SeaStateValues& state) {
         state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
         static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2), probe_list,
         state.probe_error_m, glide ? &*glide : nullptr, law ? &*law : nullptr,
-        before ? &*before : nullptr, state.curvature_per_m);
+        before ? &*before : nullptr, state.curvature_per_m, stylised_bits(state.cascades));
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -209,6 +220,8 @@ SeaStateValues values(const wire::SeaState& state) {
                                     .k_hi_radpm = c->k_hi_radpm(),
                                     .placed_alone = c->placed_alone() != 0,
                                     .interval_us = c->interval_us()});
+    for (std::size_t c = 0; c < out.cascades.size(); ++c)
+        out.cascades[c].stylised = (state.stylised() >> c & 1u) != 0;
     if (const auto* warnings = state.warnings())
         for (const flatbuffers::String* warning : *warnings)
             out.warnings.push_back(warning->str());

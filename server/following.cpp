@@ -2,12 +2,14 @@
 #include "server/following.h"
 
 #include <cmath>
+#include <ranges>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "sea/basics/time.h"
+#include "sea/scene/weather.h"
 #include "server/scene_difference.h"
 
 namespace seaway::server {
@@ -29,6 +31,8 @@ Doubt Following::kind_of_doubt() const {
     // What it is off by for certain: a long way to the peers is no reason.
     if (journal.peers.can_judge() && off_us - journal.peers.error_us > clock_budget_us())
         return Doubt::clock;
+    if (ahead_us > ahead_us_max)
+        return Doubt::ahead;
     return late || behind_us > behind_us_max ? Doubt::behind : Doubt::none;
 }
 
@@ -47,6 +51,9 @@ std::string Following::doubt() const {
             "and {:.0f} mm are allowed",
             1e-3 * off_us, journal.peers.ahead_us > 0 ? "ahead of" : "behind", journal.peers.judges,
             1e-3 * off_us * vertical_mps, 1e3 * height_error_m);
+    case Doubt::ahead:
+        return fmt::format("it heard of a pace too late, and its sea is {:.3f} s ahead",
+                           sea::seconds_from_us(ahead_us));
     case Doubt::writing:
         return fmt::format("a change has been under way to the journal for {:.1f} s",
                            sea::seconds_from_us(writing_us));
@@ -120,12 +127,40 @@ std::vector<std::string> some_differences(const std::string& before, const std::
     return lines;
 }
 
+/// What a scene and its timetable have led to by then; without the rows to come, which a change takes over from.
+std::string led_to(const std::string& text, sea::TimeUs time_us) {
+    if (text.find("[[weather]]") == std::string::npos)
+        return text;
+    const Result<sea::Scene> scene = sea::parse_scene(text, "the journal");
+    Result<sea::Scene> by_then = scene ? sea::weather_by(*scene, time_us) : scene;
+    if (!by_then) // written by another version: as it stands
+        return text;
+    by_then->weather.clear();
+    return sea::to_toml(*by_then);
+}
+
+/// The scene that runs when a change begins, of those before it.
+std::string scene_before(std::span<const SeaChange> before, const SeaChange& change) {
+    for (const SeaChange& earlier : before | std::views::reverse)
+        if (runs_before(earlier, change.start_us))
+            return led_to(earlier.scene, change.start_us);
+    return {};
+}
+
 } // namespace
 
-std::string history_json(const std::vector<SeaChange>& changes, std::uint32_t from) {
+bool runs_before(const SeaChange& change, sea::TimeUs time_us) {
+    return changes_the_scene(change) && (change.epoch == 1 || change.start_us <= time_us);
+}
+
+bool changes_the_scene(const SeaChange& change) {
+    return !change.pace && !change.lapsed;
+}
+
+std::string history_json(std::span<const SeaChange> changes, std::uint32_t from) {
     nlohmann::ordered_json listed = nlohmann::ordered_json::array();
-    std::string before;
-    for (const SeaChange& change : changes) {
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+        const SeaChange& change = changes[i];
         const bool wanted = change.epoch >= from && listed.size() < history_max;
         if (change.pace && wanted)
             listed.push_back({{"change", change.epoch},
@@ -138,10 +173,10 @@ std::string history_json(const std::vector<SeaChange>& changes, std::uint32_t fr
                  {"start_s", sea::seconds_from_us(change.start_us)},
                  {"end_s", sea::seconds_from_us(change.end_us)},
                  {"lapsed", change.lapsed},
-                 {"differs", change.epoch == 1 ? std::vector<std::string>{}
-                                               : some_differences(before, change.scene)}});
-        if (!change.pace && !change.lapsed)
-            before = change.scene;
+                 {"differs",
+                  change.epoch == 1
+                      ? std::vector<std::string>{}
+                      : some_differences(scene_before(changes.first(i), change), change.scene)}});
     }
     const nlohmann::ordered_json all{{"changes", listed}};
     return all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

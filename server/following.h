@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,16 @@ inline constexpr std::int64_t behind_us_max = 1'000'000;
 /// And one of its own may be under way to the journal: it begins a second after sessions have to be told of it.
 inline constexpr std::int64_t writing_us_max = 1'000'000;
 
+/// And its sea may be so far ahead of its paces: 6 mm of a gale's height.
+inline constexpr std::int64_t ahead_us_max = 1'000;
+
 /// Why a server may not have the sea of the others.
 enum class Doubt {
     none,
     stuck,   ///< what the log holds next cannot be played
     unheard, ///< the log has not been heard of; passes with that
     clock,   ///< its clock is off from those of the others
+    ahead, ///< it ran on when the others had another pace already, and stands until they have come there; passes with that
     writing, ///< one of its own has been under way to the journal for so long that others should have been told; passes with that
     behind,  ///< some changes are not played yet; passes with that
 };
@@ -32,8 +37,9 @@ struct Following {
     std::uint32_t played = 1;   ///< changes
     std::int64_t behind_us = 0; ///< for how long there have been some to play
     std::int64_t writing_us =
-        0;             ///< for how long a change of its own has been under way to the journal
-    bool late = false; ///< one of those has begun, or does so within behind_us_max
+        0; ///< for how long a change of its own has been under way to the journal
+    std::int64_t ahead_us = 0; ///< its sea time, of what the paces say
+    bool late = false;         ///< one of those has begun, or does so within behind_us_max
     double height_error_m = 0; ///< of the sea that runs: its budget
     double vertical_mps = 0; ///< and five standard deviations of its vertical velocity, at its pace
     std::string stuck;       ///< why the next one cannot be
@@ -52,7 +58,13 @@ struct Following {
 /// Changes that are listed at once.
 inline constexpr std::size_t history_max = 200;
 
-/// Those from a number on, with the first lines of each scene that differ from the one before: JSON.
-std::string history_json(const std::vector<SeaChange>& changes, std::uint32_t from);
+/// A change of the sea that counts: neither one of pace, nor lapsed.
+bool changes_the_scene(const SeaChange& change);
+/// And one that has begun by then.
+bool runs_before(const SeaChange& change, sea::TimeUs time_us);
+
+/// Those from a number on, with the first lines of each scene that differ from what ran when it began: JSON. What comes before that
+/// number is there to differ from.
+std::string history_json(std::span<const SeaChange> changes, std::uint32_t from);
 
 } // namespace seaway::server

@@ -25,6 +25,10 @@ namespace {
 constexpr TimeUs spare_us = 1'000'000;
 /// A pace is told of this long before it holds, so that all who hear it change over at the same moment.
 constexpr TimeUs pace_ahead_us = 1'000'000;
+/// And in time, where so much of that is left when it was written.
+constexpr TimeUs pace_told_us = 500'000;
+/// One that was written too late is followed by another, with more time, so often at most.
+constexpr int paces_again_max = 3;
 /// Before a change is asked for again that could not be written.
 constexpr TimeUs unreachable_pause_us = 1'000'000;
 /// How long it sleeps at most: the clock may have leapt; and where it may begin to doubt.
@@ -195,14 +199,14 @@ TimeUs SeaDirector::first_start(const RunningSea& to) const {
            clock_.hurried(publish_lead_us);
 }
 
-TimeUs SeaDirector::start_of(const SeaWish& wish, const RunningSea& to, TimeUs making_us) const {
-    TimeUs first_us =
+SeaDirector::Start SeaDirector::start_of(const SeaWish& wish, const RunningSea& to,
+                                         TimeUs making_us) const {
+    TimeUs start_us =
         first_start(to) + clock_.hurried(std::max(spare_us, 3 * making_us)) + spread();
+    const bool soonest = wish.at_us < start_us;
     // One that is made sooner than that before it would begin before it, and that one would be lost.
-    if (wish.at_us < first_us)
-        first_us = std::max(first_us, soonest_us_);
-    const TimeUs start_us = std::max(wish.at_us, first_us);
-    return next_meeting(start_us, intervals_of(*course_->at(start_us), to));
+    start_us = soonest ? std::max(start_us, soonest_us_) : wish.at_us;
+    return {next_meeting(start_us, intervals_of(*course_->at(start_us), to)), soonest};
 }
 
 Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
@@ -213,7 +217,7 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
             scene; // its certificate is that of the sea which runs, or none: no file is read
         made_of.accuracy.certificate = {};
         SEAWAY_TRY_LET(RunningSeaPtr to, make_running_sea(made_of, 0));
-        const TimeUs start_us = start_of(wish, *to, all.us());
+        const auto [start_us, soonest] = start_of(wish, *to, all.us());
         SEAWAY_TRY(check_takeovers(start_us));
         const SeaPromise promise{course_->epochs() + 1, start_us, start_us + wish.over_us};
         if (!sea::in_time_range(promise.end_us))
@@ -226,7 +230,7 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
             first_start(*to) + spread() + clock_.hurried(checking.us()) <= start_us;
         SEAWAY_TRY_LET(const sea::Scene then, wished(wish, start_us));
         if (in_time && sea::to_toml(then) == sea::to_toml(scene))
-            return Planned{std::move(scene), std::move(to), promise};
+            return Planned{std::move(scene), std::move(to), promise, soonest};
         from_us = start_us;
     }
 }
@@ -234,7 +238,8 @@ Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
 Result<void> SeaDirector::check_certain() const {
     const std::optional<Following> now = world_.following();
     const Doubt doubt = now ? now->kind_of_doubt() : Doubt::none;
-    if (doubt == Doubt::none)
+    // Another pace is what brings those together of whom one is ahead.
+    if (doubt == Doubt::none || doubt == Doubt::ahead)
         return {};
     const std::string why = fmt::format(
         "the sea cannot be changed now, this server is not sure of it ({})", now->doubt());
@@ -243,13 +248,20 @@ Result<void> SeaDirector::check_certain() const {
     return Error{Refusal::busy, why + ": ask another server of this sea"};
 }
 
+void SeaDirector::is_promised(TimeUs start_us) {
+    std::erase_if(promised_, [start_us](TimeUs other_us) { return other_us > start_us; });
+    promised_.push_back(start_us);
+}
+
 Result<void> SeaDirector::check_promised(const SeaWish& wish) {
     const TimeUs now_us = clock_.now_us();
     std::erase_if(promised_, [now_us](TimeUs start_us) { return start_us <= now_us; });
     std::vector<TimeUs> soon;
     const TimeUs soon_us = now_us + world_.announced_ahead();
-    std::ranges::copy_if(promised_, std::back_inserter(soon),
-                         [soon_us](TimeUs start_us) { return start_us < soon_us; });
+    std::ranges::copy_if(promised_, std::back_inserter(soon), [&](TimeUs start_us) {
+        const bool taken_over = wish.at_us > now_us && start_us > wish.at_us;
+        return start_us < soon_us && !taken_over;
+    });
     if (soon.size() < changes_promised_max || wish.at_us >= soon_us)
         return {};
     return busy_until(std::ranges::min(soon),
@@ -318,6 +330,21 @@ void SeaDirector::was_late() {
     spdlog::warn("event=sea_changes_late change={} why=\"the journal took long\"", changes_.load());
 }
 
+Result<bool> SeaDirector::log_pace(const sea::Pace& pace) {
+    bool in_time = false;
+    SEAWAY_TRY(log({.scene = {}, .pace = pace}, [&] {
+        in_time = clock_.moment().elapsed_us + pace_told_us <= pace.from_us;
+        if (in_time)
+            follow(pace);
+    }));
+    return in_time;
+}
+
+void SeaDirector::follow(const sea::Pace& pace) {
+    clock_.follow(pace);
+    world_.announce_pace(pace);
+}
+
 Result<SeaPromise> SeaDirector::make_pace(int permille) {
     const TimeUs now_us = clock_.moment().elapsed_us;
     const auto promised = std::ranges::count_if(
@@ -325,17 +352,31 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
     if (promised >= static_cast<std::ptrdiff_t>(changes_promised_max))
         return busy(pace_ahead_us,
                     fmt::format("{} paces are promised and do not hold yet", promised));
-    const sea::Pace pace =
-        clock_.next_pace(now_us + pace_ahead_us + (journal_ ? journal_->spread_us() : 0), permille);
-    SEAWAY_TRY_LET(const std::uint32_t number, log({.scene = {}, .pace = pace}, [&] {
-                       clock_.follow(pace);
-                       world_.announce_pace(pace);
-                   }));
+    const TimeUs others_us = journal_ ? journal_->spread_us() : 0;
+    sea::Pace pace = clock_.next_pace(now_us + pace_ahead_us + others_us, permille);
+    const Stopwatch writing;
+    SEAWAY_TRY_LET(bool in_time, log_pace(pace));
+    for (int again = 0; !in_time && again < paces_again_max; ++again) {
+        // The sea has run on here, and will until another holds, which is one that all can hear of in time. Others that follow
+        // the log may have heard of this one.
+        const TimeUs from_us =
+            clock_.moment().elapsed_us + pace_ahead_us + others_us + writing.us();
+        sea::Pace next = clock_.next_pace(from_us, permille);
+        if (others_us > 0)
+            next.sea_us = std::max(next.sea_us, pace.sea_time(from_us));
+        const Result<bool> written = log_pace(next);
+        if (!written)
+            break;
+        pace = next;
+        in_time = *written;
+    }
+    if (!in_time) {
+        follow(pace);
+        was_late();
+    }
     spdlog::info("event=sea_pace change={} pace={} from_s={}", changes_.load(),
                  permille / static_cast<double>(sea::pace_unit), sea::seconds_from_us(pace.sea_us));
-    if (clock_.moment().elapsed_us > pace.from_us)
-        was_late();
-    return SeaPromise{0, pace.sea_us, pace.sea_us, number};
+    return SeaPromise{0, pace.sea_us, pace.sea_us, journal_ ? changes_.load() : 0};
 }
 
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
@@ -355,13 +396,13 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
                        SEAWAY_CHECK(
                            course_->add(scene, promise.start_us, promise.end_us).has_value(),
                            "what was checked can be added");
-                       promised_.push_back(promise.start_us);
+                       is_promised(promise.start_us);
                    }));
     spdlog::info("event=sea_changes change={} start_s={} over_s={} hs_m={:.2f}", changes_.load(),
                  sea::seconds_from_us(promise.start_us),
                  sea::seconds_from_us(promise.end_us - promise.start_us),
                  planned->to->summary.realised.significant_height_m);
-    if (wish.at_us <= clock_.now_us())
+    if (planned->soonest)
         soonest_us_ = promise.start_us;
     if (clock_.now_us() > promise.start_us)
         was_late();

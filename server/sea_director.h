@@ -84,10 +84,14 @@ class SeaDirector {
     sea::TimeUs spread() const;
     /// How fast the sea runs, soon.
     Result<SeaPromise> make_pace(int permille);
+    /// Written, and followed where that was in time for all who are here to hear of it: otherwise false.
+    Result<bool> log_pace(const sea::Pace& pace);
+    void follow(const sea::Pace& pace);
     struct Planned {
         sea::Scene scene;
         RunningSeaPtr to;
         SeaPromise promise;
+        bool soonest;
     };
     /// A change that can be added, and begins late enough for that.
     Result<Planned> plan(const SeaWish& wish) const;
@@ -95,8 +99,14 @@ class SeaDirector {
     Result<sea::Scene> wished(const SeaWish& wish, sea::TimeUs from_us) const;
     /// When every keyframe that is out by now is of the sea before.
     sea::TimeUs first_start(const RunningSea& to) const;
+    struct Start {
+        sea::TimeUs start_us;
+        bool soonest; ///< as soon as can be: no time is wished, or an earlier one
+    };
     /// As soon as can be, in the order in which changes were asked for, or when it is wished.
-    sea::TimeUs start_of(const SeaWish& wish, const RunningSea& to, sea::TimeUs making_us) const;
+    Start start_of(const SeaWish& wish, const RunningSea& to, sea::TimeUs making_us) const;
+    /// It takes over from those that were to begin later, and goes on from those that begin with it.
+    void is_promised(sea::TimeUs start_us);
 
     const std::shared_ptr<SeaCourse> course_;
     Journal* const journal_;

@@ -79,8 +79,7 @@ Result<void> SeaDirector::play(const SeaChange& change) {
     }
     if (change.pace) {
         const bool late = change.pace->from_us < clock_.moment().elapsed_us;
-        clock_.follow(*change.pace);
-        world_.announce_pace(*change.pace);
+        follow(*change.pace);
         missed_ = missed_ || late;
         spdlog::info("event=sea_pace change={} pace={} from_s={} by=another late={}", change.epoch,
                      change.pace->permille / static_cast<double>(sea::pace_unit),
@@ -91,8 +90,7 @@ Result<void> SeaDirector::play(const SeaChange& change) {
                    scene_of(change, journal_->name(), course_->first()->scene));
     promised_.reserve(promised_.size() + 1);
     SEAWAY_TRY(course_->add(scene, change.start_us, change.end_us));
-    if (change.start_us > now_us)
-        promised_.push_back(change.start_us);
+    is_promised(change.start_us); // those that have begun are taken out when they are counted
     missed_ = missed_ || change.start_us <= now_us;
     spdlog::info("event=sea_changes change={} start_s={} over_s={} by=another late={}",
                  change.epoch, sea::seconds_from_us(change.start_us),
@@ -137,6 +135,7 @@ Following SeaDirector::following() const {
     const std::int64_t writing_since_us = writing_since_us_;
     now.writing_us = writing_since_us > 0 ? SeaClock::steady_now_us() - writing_since_us : 0;
     now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
+    now.ahead_us = clock_.moment().ahead_us;
     // Nobody else has a journal that is not shared, and to read it is to wait for a disk.
     if (now.shared && now.played < now.journal.last_epoch)
         if (const auto more = journal_->since(now.played))

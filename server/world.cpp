@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "base/undo.h"
-#include "protocol/limits.h"
 #include "sea/scene/weather.h"
 #include "server/host/grant.h"
 #include "server/map_source.h"
@@ -72,15 +71,16 @@ bool World::is_told(std::uint32_t epoch) const {
 sea::TimeUs World::announce_due() {
     const sea::TimeUs now_us = clock_.now_us();
     const sea::TimeUs until_us = now_us + announced_ahead();
+    const std::vector<EpochWindow> windows = course_->windows(now_us, until_us);
+    std::vector<SpectrumSource> origins = origins_of(windows.front().epoch); // it is made of them
     std::vector<RunningSeaPtr> told;
     std::vector<SeaState> untold;
-    for (const EpochWindow& window : course_->windows(now_us, until_us)) {
+    for (const EpochWindow& window : windows) {
         told.push_back(course_->sea(window.epoch));
         SharedBytes message = sea_state_message(window.epoch);
         if (!is_told(window.epoch))
             untold.push_back({window.epoch, std::move(message)});
     }
-    std::vector<RunningSeaPtr> origins = origins_of(told.front());
     Announce announce;
     {
         const std::scoped_lock lock(mutex_);
@@ -107,18 +107,6 @@ sea::TimeUs World::announce_due() {
     return next == later.end() ? ever_us : next->start_us - (until_us - now_us);
 }
 
-std::vector<RunningSeaPtr> World::origins_of(RunningSeaPtr sea) const {
-    std::vector<RunningSeaPtr> origins;
-    while (sea->glide && origins.size() + 1 < protocol::limits::spectra_max) {
-        const sea::TimeUs start_us = sea->glide->change.start_us();
-        sea = course_->at(start_us - 1);
-        origins.push_back(sea);
-        if (sea->glide && sea->glide->change.end_us() <= start_us)
-            break; // its waves are those that it led to, whatever it came from
-    }
-    return origins;
-}
-
 SharedBytes World::sea_state_message(std::uint32_t epoch) const {
     {
         const std::scoped_lock lock(mutex_);
@@ -133,9 +121,10 @@ SharedBytes World::sea_state_message(std::uint32_t epoch) const {
         protocol::sea_state(announcement(*sea, course_->window(epoch), warnings_of(*sea))));
     const std::scoped_lock lock(mutex_);
     sea_states_.push_back({epoch, message});
-    // Those that all are told of stay: the network's thread asks for them.
+    // Those that all are told of stay, and what they glide from: the network's thread asks for them.
     const auto other = std::ranges::find_if(sea_states_, [&](const SeaState& one) {
-        return std::ranges::find(told_, one.epoch, &RunningSea::epoch) == told_.end();
+        return std::ranges::find(told_, one.epoch, &RunningSea::epoch) == told_.end() &&
+               std::ranges::find(origins_, one.epoch, &SpectrumSource::epoch) == origins_.end();
     });
     if (sea_states_.size() > sea_states_kept && other != sea_states_.end())
         sea_states_.erase(other);
@@ -153,57 +142,6 @@ std::vector<SharedBytes> World::sea_state_messages() const {
         if (std::exchange(runs, false) || is_told(window.epoch))
             messages.push_back(sea_state_message(window.epoch));
     return messages;
-}
-
-std::vector<SpectrumSource> World::spectrum_sources(const SpectrumRequest& request) const {
-    const RunningSeaPtr running = sea_now();
-    std::vector<RunningSeaPtr> seas{running};
-    {
-        const std::scoped_lock lock(mutex_);
-        seas.insert(seas.end(), origins_.begin(), origins_.end());
-        std::ranges::copy_if(told_, std::back_inserter(seas),
-                             [&](const RunningSeaPtr& sea) { return sea != running; });
-    }
-    std::vector<SpectrumSource> sources;
-    for (const RunningSeaPtr& sea : seas)
-        // A change is a glide and the sea that it leads to, the next epoch.
-        sources.push_back(
-            {sea->epoch, sea->realization, sea->scene.sea.dispersion(), sea->budget.height_error_m,
-             course_->ends_a_glide(sea->epoch) ? sea->epoch - 1 : 0,
-             sea->glide ? sea->glide->change.end_us() : course_->window(sea->epoch).start_us});
-    const auto has = [&](std::uint32_t epoch) {
-        return std::ranges::find(request.has, epoch) != request.has.end();
-    };
-    std::erase_if(sources, [&](const SpectrumSource& sea) {
-        return has(sea.epoch) || (sea.ends_epoch != 0 && has(sea.ends_epoch));
-    });
-    if (sources.size() > protocol::limits::spectra_max)
-        sources.resize(protocol::limits::spectra_max);
-    return sources;
-}
-
-Result<GrantedSpectrum> World::spectrum(const SpectrumRequest& request) {
-    if (request.asker.gone())
-        return Error{Refusal::gone, "who asked has gone"};
-    const std::vector<SpectrumSource> seas = spectrum_sources(request);
-    if (seas.empty())
-        return GrantedSpectrum{};
-    const double price_us =
-        request.asked ? price_spectrum_wave_us *
-                            static_cast<double>(spectra_.points_to_make(seas, request.wish))
-                      : 0;
-    if (price_us == 0)
-        return spectra_.grant(seas, request.wish);
-    SEAWAY_TRY(simulation_->charge(request.asker, price_us));
-    const double start_s = steady_seconds();
-    Result<GrantedSpectrum> granted = spectra_.grant(seas, request.wish);
-    simulation_->settle(request.asker, price_us - 1e6 * (steady_seconds() - start_s));
-    return granted;
-}
-
-std::optional<GrantedSpectrum> World::held_spectrum(const SpectrumRequest& request) {
-    const std::vector<SpectrumSource> seas = spectrum_sources(request);
-    return seas.empty() ? GrantedSpectrum{} : spectra_.held(seas, request.wish);
 }
 
 void World::change(Result<SeaWish> wish, Changed done) {
@@ -371,17 +309,23 @@ Result<std::string> World::history(std::uint64_t from) const {
     SEAWAY_TRY_LET(std::vector<SeaChange> changes, changes_from(begin, history_max));
     if (changes.empty()) // nothing differs from anything, however far back that is
         return history_json(changes, static_cast<std::uint32_t>(from));
-    // With the last scene before that ran, which the first one differs from. What lies between are paces and what lapsed.
-    const auto runs = [](const SeaChange& change) { return !change.pace && !change.lapsed; };
+    // With those before that the listed ones differ from, back to one that had begun before all of them. Between are paces, what lapsed,
+    // and what was taken over from.
+    sea::TimeUs first_us = std::numeric_limits<sea::TimeUs>::max();
+    for (const SeaChange& change : changes)
+        if (!change.pace)
+            first_us = std::min(first_us, change.start_us);
     for (std::uint64_t first = begin, step = 1; first > 1; step = std::min(2 * step, history_max)) {
         const std::uint64_t count = std::min(step, first - 1);
         first -= count;
-        SEAWAY_TRY_LET(const std::vector<SeaChange> before, changes_from(first, count));
-        const auto last = std::find_if(before.rbegin(), before.rend(), runs);
-        if (last == before.rend())
-            continue;
-        changes.insert(changes.begin(), *last);
-        break;
+        SEAWAY_TRY_LET(std::vector<SeaChange> before, changes_from(first, count));
+        const bool last = std::ranges::any_of(
+            before, [first_us](const SeaChange& change) { return runs_before(change, first_us); });
+        std::erase_if(before, std::not_fn(changes_the_scene));
+        changes.insert(changes.begin(), std::make_move_iterator(before.begin()),
+                       std::make_move_iterator(before.end()));
+        if (last)
+            break;
     }
     return history_json(changes, static_cast<std::uint32_t>(from));
 }
@@ -415,7 +359,7 @@ std::string World::state_json() const {
 
 std::string World::plan_json() const {
     return server::plan_json(*sea_now(), simulation_->plan(), simulation_->counters(),
-                             simulation_->costs(), simulation_->device());
+                             simulation_->costs(), simulation_->device(), clock_.moment());
 }
 
 std::string World::metrics_text() const {

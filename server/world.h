@@ -105,8 +105,9 @@ class World final : public Host {
     KeyframeTiles tiles(sea::KeyframePtr keyframe, Quality quality) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
-    /// What a sea glides from, and that from: the nearest first.
-    std::vector<RunningSeaPtr> origins_of(RunningSeaPtr sea) const;
+    SpectrumSource source_of(const RunningSea& sea) const;
+    /// The waves that a sea glides from, and those that led there: the nearest first. Slow where they are not held.
+    std::vector<SpectrumSource> origins_of(std::uint32_t epoch) const;
     /// Of whose waves a request is: the sea that runs first, if it is among them.
     std::vector<SpectrumSource> spectrum_sources(const SpectrumRequest& request) const;
     bool is_told(std::uint32_t epoch) const;
@@ -127,10 +128,10 @@ class World final : public Host {
     std::function<Following()> follow_;
     std::function<void(const std::string&)> hand_over_;
     Since since_;
-    /// The sea that runs and those that announce_due() has told of, in order of time; and before them what they glide from.
+    /// The sea that runs and those that announce_due() has told of, in order of time; and what the first of them glides from.
     /// Held, so that nobody on the network's thread has to make one.
     std::vector<RunningSeaPtr> told_;
-    std::vector<RunningSeaPtr> origins_;
+    std::vector<SpectrumSource> origins_;
     struct SeaState {
         std::uint32_t epoch;
         SharedBytes message;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/limits.h"
+#include "sea/scene/scene_names.h"
 #include "sea/waves/probes.h"
 #include "server/process_metrics.h"
 
@@ -18,16 +19,10 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Bearing that waves come from, degrees clockwise from north, 0 .. 360.
-double from_deg(double towards_rad) {
-    const double deg = 270.0 - towards_rad * 180.0 / sea::pi;
-    return deg - 360.0 * std::floor(deg / 360.0);
-}
-
 protocol::SeaNumbers numbers(const sea::SeaStatistics& statistics) {
-    return {statistics.significant_height_m,       statistics.peak_period_s,
-            statistics.zero_crossing_period_s,     statistics.mean_period_s,
-            from_deg(statistics.mean_towards_rad), statistics.spread_rad * 180.0 / sea::pi,
+    return {statistics.significant_height_m,   statistics.peak_period_s,
+            statistics.zero_crossing_period_s, statistics.mean_period_s,
+            sea::mean_from_deg(statistics),    statistics.spread_rad * 180.0 / sea::pi,
             statistics.mean_square_slope};
 }
 
@@ -83,9 +78,10 @@ ordered_json certificate_json(const RunningSea& sea) {
 /// One effect of one cascade: what it will cost by the device's measured speed, and its share of what
 /// was measured: time is taken a submission at a time and shared out by transforms.
 ordered_json effect_json(const EffectCosts& costs, std::size_t cascade, std::size_t effect,
-                         sea::FieldSet fields, double rate_hz) {
+                         sea::FieldSet all, double rate_hz) {
     const EffectCost& cost = costs.cost(cascade, effect);
-    const double predicted_us = 1e6 * costs.predicted_seconds(cascade, fields);
+    const sea::FieldSet fields = fields_of(effect_table()[effect], all);
+    const double predicted_us = 1e6 * costs.predicted_seconds(cascade, effect, all);
     const double share_us =
         cost.keyframes ? 1e6 * cost.device_seconds / static_cast<double>(cost.keyframes) : 0.0;
     return {{"effect", effect_table()[effect].name},        {"fields", names(fields)},
@@ -150,7 +146,8 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
         const sea::CascadeModes& modes = sea.realization->cascades[c];
         state.cascades.push_back({modes.spec.length_m, modes.spec.size, modes.longest_radpm(),
                                   modes.band.k_hi_radpm, !modes.carries_spectra,
-                                  sea.budget.cascades[c].interval_us});
+                                  sea.budget.cascades[c].interval_us,
+                                  sea.budget.cascades[c].stylised});
     }
     state.choppiness_x = sea.realization->choppiness.x;
     state.choppiness_y = sea.realization->choppiness.y;
@@ -175,12 +172,15 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
         state.foam_mean = sea.foam_law->mean_coverage;
         state.foam_threshold = sea.foam_law->threshold;
     }
+    const sea::FoamGlide* foam = sea.glide ? sea.glide->foam.get() : nullptr;
+    if (foam)
+        state.foam_threshold = foam->last_threshold();
     if (sea.glide)
         state.glide = protocol::GlideValues{.end_us = sea.glide->change.end_us(),
                                             .choppiness_x = sea.glide->choppiness.x,
                                             .choppiness_y = sea.glide->choppiness.y,
                                             .foam_mean = sea.glide->foam_mean,
-                                            .foam_threshold = sea.glide->foam_threshold,
+                                            .foam_threshold = foam ? foam->first_threshold() : 0,
                                             .realised = numbers(sea.glide->realised)};
     state.scene =
         sea::to_toml(sea.foam_law ? sea::with_threshold(sea.scene, *sea.foam_law) : sea.scene);
@@ -254,7 +254,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-/// Of a cascade, in a steady sea.
+/// Of a cascade, in a steady sea at pace 1.
 double keyframes_per_s(const CascadePlan& plan, const sea::CascadeBudget& cascade) {
     double most_hz = 0;
     for (std::size_t rate = 0; rate < rate_rungs_hz.size(); ++rate)
@@ -266,16 +266,16 @@ double keyframes_per_s(const CascadePlan& plan, const sea::CascadeBudget& cascad
 
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
                       const SimulationCounters& counters, const EffectCosts& costs,
-                      const std::string& device) {
+                      const std::string& device, const SeaMoment& at) {
     ordered_json cascades = ordered_json::array();
     for (std::size_t c = 0; c < plan.cascades.size(); ++c) {
         const CascadePlan& cascade = plan.cascades[c];
-        const double rate_hz = keyframes_per_s(cascade, sea.budget.cascades[c]);
+        const double rate_hz =
+            keyframes_per_s(cascade, sea.budget.cascades[c]) * at.pace_permille / sea::pace_unit;
         ordered_json effects = ordered_json::array();
         for (std::size_t e = 0; e < effect_table().size(); ++e)
-            if (const sea::FieldSet fields = fields_of(effect_table()[e], cascade.all());
-                !fields.empty())
-                effects.push_back(effect_json(costs, c, e, fields, rate_hz));
+            if (!fields_of(effect_table()[e], cascade.all()).empty())
+                effects.push_back(effect_json(costs, c, e, cascade.all(), rate_hz));
         cascades.push_back({{"length_m", sea.realization->cascades[c].spec.length_m},
                             {"size", sea.realization->cascades[c].spec.size},
                             {"effects", effects},
@@ -312,6 +312,9 @@ std::string metrics_text(const EffectPlan& plan, const SimulationCounters& count
     add("dispatches_total", "counter", "Kernels started.", whole(counters.synthesis.dispatches));
     add("transforms_total", "counter", "2-D transforms of real fields.",
         whole(counters.synthesis.transforms));
+    add("stylised_sums_total", "counter",
+        "Stylised waves that no transform carries, summed at a point of a map.",
+        whole(counters.synthesis.stylised_sums));
     add("keyframes_total", "counter", "Keyframes computed.", whole(counters.synthesis.keyframes));
     add("keyframes_copied_total", "counter",
         "Keyframes copied out of a device's memory: where it is not read in place, or where as "

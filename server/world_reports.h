@@ -29,7 +29,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                        const RefusedChanges::Counts& refused = {});
 std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
                       const SimulationCounters& counters, const EffectCosts& costs,
-                      const std::string& device);
+                      const std::string& device, const SeaMoment& at);
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
                          const EffectCosts& costs, const SeaMoment& at);
 

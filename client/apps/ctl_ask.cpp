@@ -15,6 +15,7 @@
 #include "client/apps/exit_code.h"
 #include "client/client.h"
 #include "client/link/failure.h"
+#include "sea/scene/weather.h"
 
 namespace seaway::client {
 namespace {
@@ -56,6 +57,15 @@ Result<std::unique_ptr<Client>> reader_of(const CtlOptions& options, const std::
     connect.timeout_s = options.timeout_s;
     Result<std::unique_ptr<Client>> client = Client::connect(connect);
     return client ? std::move(client) : not_connected(url, client.error());
+}
+
+/// Where its timetable has led to by then; earlier than now: as it came.
+Result<std::string> scene_by(std::string text, sea::TimeUs at_us) {
+    if (at_us <= 0)
+        return text;
+    SEAWAY_TRY_LET(const sea::Scene scene, sea::parse_scene(text, "the scene of that change"));
+    SEAWAY_TRY_LET(const sea::Scene by_then, sea::weather_by(scene, at_us));
+    return by_then.weather.size() == scene.weather.size() ? text : sea::to_toml(by_then);
 }
 
 } // namespace
@@ -125,7 +135,7 @@ Result<std::string> rewound(const CtlOptions& options, const RewindWish& wish) {
     SEAWAY_TRY_LET(std::string scene,
                    administered(*connection, {wire::Act::change, wish.change}, options.timeout_s));
     protocol::ChangeWish change;
-    change.scene = std::move(scene);
+    SEAWAY_TRY_LET(change.scene, scene_by(std::move(scene), wish.at_us));
     change.over_us = wish.over_us;
     change.at_us = wish.at_us;
     return changed(*connection, change, options.timeout_s);

@@ -220,11 +220,14 @@ std::optional<Error> for_good(const Client& client, const Error& error, std::str
 } // namespace
 
 Result<void> make_ready(Client& client, const QueryOptions& options, bool now) {
-    if (options.local && options.source == Source::scene)
-        return now ? client.rebuild(client.now_us()) : Result<void>{};
+    if (options.local && options.source == Source::scene) {
+        const Result<void> made = now ? client.rebuild(client.now_us()) : Result<void>{};
+        // Of what cannot be had why_no_waves() tells, and the rest answers.
+        return !made && failure_of(made.error()) != Failure::not_held ? made : Result<void>{};
+    }
     if (options.local && options.source == Source::spectrum) {
         SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
-    } else if (options.watch_hz > 0 && options.local) {
+    } else if ((options.watch_hz > 0 || options.bench_points > 0) && options.local) {
         constexpr int credit = 2;
         protocol::TileWish wish{.fields = sea::surface_fields};
         options.limits.put_into(wish);

@@ -6,6 +6,9 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <random>
+#include <span>
+#include <vector>
 
 #include "base/result.h"
 #include "client/apps/query_options.h"
@@ -29,8 +32,21 @@ double next_beat_s(double elapsed_s, double hz);
 /// Has what `options` are to be answered from; of the waves of a scene, anew for each sea. `now`: some points are of now.
 Result<void> make_ready(Client& client, const QueryOptions& options, bool now);
 
-/// Random points on 10 km around the origin, now: queries one after the other, then several at
-/// once, about two seconds each. Local ones of tiles are of the time at which it began, of waves of that of each query.
+/// What a benchmark asks about: in each call other random places on 10 km around the origin, now. So no call finds what one
+/// before it has left in some memory, and all calls together are of whole keyframe intervals.
+class BenchPoints {
+  public:
+    explicit BenchPoints(int count);
+    /// Stays as it is until the next call.
+    std::span<const sea::QueryPoint> next(sea::TimeUs now_us);
+
+  private:
+    std::mt19937_64 random_{1};
+    std::vector<sea::QueryPoint> points_;
+};
+
+/// Of BenchPoints: queries one after the other, then several at once, about two seconds each. Local ones, one after the other,
+/// of tiles that are streamed or of waves.
 Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,
                        std::FILE* out);
 

@@ -23,6 +23,11 @@ namespace {
 
 constexpr sea::FieldSet sampled_fields{Field::height, Field::height_rate};
 
+/// No server has shorter ones.
+TimeUs real_interval_us(TimeUs told_us) {
+    return std::max(told_us, *std::ranges::min_element(sea::keyframe_intervals_us));
+}
+
 } // namespace
 
 HeldKeyframe::HeldKeyframe(sea::Keyframe keyframe, const FieldErrors& errors,
@@ -85,11 +90,16 @@ std::size_t RingLimits::room(std::size_t keyframe_bytes) const {
 }
 
 std::size_t RingLimits::more_passing(sea::TimeUs interval_us) const {
-    constexpr TimeUs shortest_us = *std::ranges::min_element(sea::keyframe_intervals_us);
     if (look_back_us <= look_back_usual_us)
         return 0;
     // One for a part of an interval, and one before it. The least that are held are what is ahead, and now.
-    return 2 + static_cast<std::size_t>(look_back_us / std::max(interval_us, shortest_us));
+    return 2 + static_cast<std::size_t>(look_back_us / real_interval_us(interval_us));
+}
+
+std::size_t RingLimits::sent_ahead(TimeUs interval_us, double hurry) {
+    const double lead_us = hurry * static_cast<double>(sea::publish_lead_us);
+    const double ahead = std::ceil(lead_us / static_cast<double>(real_interval_us(interval_us)));
+    return 3 + static_cast<std::size_t>(ahead); // the pair of now, and the one that comes
 }
 
 void KeyframeRing::insert(HeldKeyframePtr keyframe) {
@@ -101,9 +111,15 @@ void KeyframeRing::insert(HeldKeyframePtr keyframe) {
         make_room(*cascade);
 }
 
-void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us, TimeUs interval_us) {
+void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us, TimeUs interval_us,
+                                  double hurry) {
     if (limits_.as_splines)
         keyframe = HeldKeyframe::as_spline(keyframe);
+    const std::size_t more = limits_.more_passing(interval_us);
+    const std::size_t least = std::max(
+        RingLimits::keyframes_per_cascade_min,
+        std::min(RingLimits::sent_ahead(interval_us, hurry),
+                 RingLimits::ahead_bytes_max / std::max<std::size_t>(keyframe->bytes(), 1)));
     const std::scoped_lock lock(mutex_);
     ++changes_;
     Cascade* cascade = take({std::move(keyframe), true});
@@ -112,7 +128,9 @@ void KeyframeRing::insert_passing(HeldKeyframePtr keyframe, TimeUs now_us, TimeU
     let_pass(*cascade, now_us);
     drop_maps_of_splines();
     make_room(*cascade);
-    make_room_around(*cascade, now_us, limits_.more_passing(interval_us));
+    const TimeUs ahead_us = std::llround(hurry * static_cast<double>(sea::publish_lead_us));
+    make_room_around(*cascade, now_us, {now_us - interval_us, now_us + ahead_us + 2 * interval_us},
+                     {std::max(limits_.keyframes_per_cascade, least) + more, least + more});
 }
 
 KeyframeRing::Cascade* KeyframeRing::take(Held fresh_held) {
@@ -193,21 +211,25 @@ void KeyframeRing::drop_maps_of_splines() {
 }
 
 void KeyframeRing::make_room(Cascade& cascade) {
-    drop(cascade, false, 0, [](const Held&, const Held&) { return false; }); // the first to come
+    const auto first_to_come = [](const Held&, const Held&) { return false; };
+    drop(cascade, false, {limits_.keyframes_per_cascade, RingLimits::keyframes_per_cascade_min},
+         first_to_come);
 }
 
-// The furthest from now goes first: a stream that is sent further ahead than there is room for leaves out some of what comes,
-// and never what is now.
-void KeyframeRing::make_room_around(Cascade& cascade, TimeUs now_us, std::size_t more) {
-    const auto away_us = [now_us](const Held& held) {
-        return std::abs(held.keyframe->keyframe().time_us - now_us);
+// The furthest from now goes first, but what has been before what a server sends ahead. A stream that is sent further ahead than
+// that leaves out some of what comes, and never what is now.
+void KeyframeRing::make_room_around(Cascade& cascade, TimeUs now_us, const Span& needed,
+                                    const Room& room) {
+    const auto away = [&](const Held& held) {
+        const TimeUs time_us = held.keyframe->keyframe().time_us;
+        const bool is_needed = time_us >= needed.from_us && time_us <= needed.to_us;
+        return std::pair(!is_needed, std::abs(time_us - now_us));
     };
-    drop(cascade, true, more,
-         [&](const Held& a, const Held& b) { return away_us(a) > away_us(b); });
+    drop(cascade, true, room, [&](const Held& a, const Held& b) { return away(a) > away(b); });
 }
 
 template <class Sooner>
-void KeyframeRing::drop(Cascade& cascade, bool passing, std::size_t more, const Sooner& sooner) {
+void KeyframeRing::drop(Cascade& cascade, bool passing, const Room& room, const Sooner& sooner) {
     std::size_t count = 0, bytes = 0;
     for (const Held& held : cascade.by_arrival)
         if (held.passes == passing) {
@@ -217,9 +239,8 @@ void KeyframeRing::drop(Cascade& cascade, bool passing, std::size_t more, const 
     const auto goes_first = [&](const Held& a, const Held& b) {
         return a.passes != b.passes ? a.passes == passing : a.passes == passing && sooner(a, b);
     };
-    while (count > limits_.keyframes_per_cascade + more ||
-           (bytes > limits_.bytes_per_cascade &&
-            count > RingLimits::keyframes_per_cascade_min + more)) {
+    while (count > room.keyframes ||
+           (bytes > limits_.bytes_per_cascade && count > room.whatever_bytes)) {
         const auto at = std::ranges::min_element(cascade.by_arrival, goes_first);
         const std::size_t gone = at->keyframe->bytes();
         cascade.bytes -= gone;

@@ -111,7 +111,8 @@ struct RingLimits {
     /// Of those that were asked for; and of those that pass by, where what a server sends ahead at the shortest intervals has
     /// room, and the usual look-back.
     std::size_t keyframes_per_cascade = 48;
-    /// Likewise, splines included. At least `keyframes_per_cascade_min` are held all the same.
+    /// Likewise, splines included. At least `keyframes_per_cascade_min` are held all the same, and of a stream what is sent
+    /// ahead.
     std::size_t bytes_per_cascade = 192u * 1024 * 1024;
     /// Keyframes that can be sampled are held as splines (HeldKeyframe::as_spline), made as they come in: for who
     /// samples or draws every one of them and reads no raw map of it.
@@ -123,9 +124,14 @@ struct RingLimits {
     static constexpr sea::TimeUs ahead_max_us = 10'000'000;
     static constexpr std::size_t keyframes_per_cascade_min = 4;
     static constexpr std::size_t passing_per_cascade_min = 2; ///< whatever their times are
+    /// Of what is sent ahead there is no more than so much, whoever sends it.
+    static constexpr std::size_t ahead_bytes_max = 1024u * 1024 * 1024;
 
     /// How many keyframes of so many bytes each are held of one cascade.
     std::size_t room(std::size_t keyframe_bytes) const;
+    /// So many are sent ahead of now, those around it included, of a sea that runs `hurry` times as fast as clocks: a room for
+    /// fewer would leave holes, since what has been dropped does not come again.
+    static std::size_t sent_ahead(sea::TimeUs interval_us, double hurry);
     /// So many more may pass by than is usual, whatever their bytes: what a longer look-back needs.
     std::size_t more_passing(sea::TimeUs interval_us) const;
 };
@@ -138,8 +144,9 @@ class KeyframeRing {
     /// holds more stays instead; where each holds what the other lacks, both are held.
     void insert(HeldKeyframePtr keyframe);
     /// The same of one that passes by: it goes once the present has left it behind. `now_us`: sea time; `interval_us`: between
-    /// the keyframes of its cascade.
-    void insert_passing(HeldKeyframePtr keyframe, sea::TimeUs now_us, sea::TimeUs interval_us);
+    /// the keyframes of its cascade; `hurry`: how many times as fast as clocks the sea runs, at least 1.
+    void insert_passing(HeldKeyframePtr keyframe, sea::TimeUs now_us, sea::TimeUs interval_us,
+                        double hurry = 1.0);
 
     /// The keyframes around a time, of one epoch and with at least `fields`. Nothing if none is held.
     std::optional<KeyframePair> around(int cascade, std::uint32_t epoch, sea::TimeUs time_us,
@@ -180,13 +187,21 @@ class KeyframeRing {
     const Cascade* find(int cascade) const;
     /// mutex_ held. The cascade that took it; null: a better one is held.
     Cascade* take(Held held);
+    struct Room {
+        std::size_t keyframes;      ///< at most
+        std::size_t whatever_bytes; ///< of these, however many bytes they take
+    };
     /// Of those that were asked for.
     void make_room(Cascade& cascade);
-    /// Of those that pass; so many more than is usual have room.
-    void make_room_around(Cascade& cascade, sea::TimeUs now_us, std::size_t more);
+    struct Span {
+        sea::TimeUs from_us, to_us;
+    };
+    /// Of those that pass; of what lies around now and is sent ahead last of all.
+    void make_room_around(Cascade& cascade, sea::TimeUs now_us, const Span& needed,
+                          const Room& room);
     /// Drops those that pass, or those that do not, until there are few enough; of two `sooner` says which goes first.
     template <class Sooner>
-    void drop(Cascade& cascade, bool passing, std::size_t more, const Sooner& sooner);
+    void drop(Cascade& cascade, bool passing, const Room& room, const Sooner& sooner);
     void let_pass(Cascade& cascade, sea::TimeUs now_us);
     void drop_maps_of_splines();
 

@@ -100,8 +100,10 @@ TileAssembly::Pending& TileAssembly::pending_for(const TileHeader& header,
     }
     if (pending_.size() >= keyframes_max)
         drop_oldest();
-    return pending_.emplace_back(
+    Pending& begun = pending_.emplace_back(
         Pending{header, cascade.length_m, depth_m, cascade.size, 0, streamed, {}, {}, {}, {}, {}});
+    begun.stylised = cascade.stylised;
+    return begun;
 }
 
 Result<void> TileAssembly::check_grid(Pending& pending, const TileHeader& header) {
@@ -284,6 +286,7 @@ HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
     keyframe.time_us = pending.header.time_us;
     keyframe.size = pending.size;
     keyframe.length_m = pending.length_m;
+    keyframe.stylised = pending.stylised;
     keyframe.fields = pending.whole;
     HeldKeyframe::FieldErrors errors{};
     keyframe.values.resize(static_cast<std::size_t>(pending.whole.size()) * keyframe.plane_size());

@@ -87,6 +87,7 @@ class TileAssembly {
         std::array<Map, sea::field_count> maps;
         bool repeated = false; ///< what came last had come before
         int finished_then = 0; ///< requests that had ended when it was handed out
+        bool stylised = false; ///< as its cascade
     };
 
     Pending& pending_for(const protocol::TileHeader& header, const protocol::CascadeInfo& cascade,

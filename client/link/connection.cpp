@@ -59,7 +59,10 @@ Connection::Connection(ConnectionEvents events)
           return send(std::move(message));
       }) {}
 
-Connection::~Connection() = default;
+Connection::~Connection() {
+    if (stream_ && !open_) // of an attempt that is given up nobody waits for the peer
+        stream_->drop();
+}
 
 bool Connection::send(protocol::Bytes message) {
     return stream_ && stream_->send(std::move(message));

@@ -47,6 +47,9 @@ class MessageStream {
     /// Ends it; on_closed gets the reason. Thread-safe.
     virtual void close(std::string reason) = 0;
 
+    /// Ends it without a goodbye, so that nothing waits for the peer. Thread-safe.
+    virtual void drop() { end(); }
+
     /// Of a stream without a thread: does what there is to do, events and all, and where there is nothing waits for something
     /// until `until`. For one thread at a time; not from an event.
     virtual void work(std::chrono::steady_clock::time_point until) { (void)until; }

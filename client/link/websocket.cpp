@@ -152,6 +152,11 @@ class SocketStream final : public MessageStream {
             io_, [this, reason = std::move(reason)]() mutable { say_goodbye(std::move(reason)); });
     }
 
+    void drop() override {
+        closing_ = true;
+        asio::post(io_, [this] { finish("dropped by this client"); });
+    }
+
   private:
     sockets::Socket make_socket() {
         asio::ip::tcp::socket socket(io_);

@@ -152,10 +152,6 @@ void GlfwWindow::close() {
     glfwSetWindowShouldClose(window_, GLFW_TRUE);
 }
 
-void GlfwWindow::set_title(const std::string& title) {
-    glfwSetWindowTitle(window_, title.c_str());
-}
-
 glm::ivec2 GlfwWindow::pixels() const {
     glm::ivec2 size(0);
     glfwGetFramebufferSize(window_, &size.x, &size.y);

@@ -44,7 +44,6 @@ class GlfwWindow {
     void poll(double seconds);
     bool should_close() const;
     void close();
-    void set_title(const std::string& title);
     /// Pixels; 0 where it is minimised.
     glm::ivec2 pixels() const;
     /// Points of the window, in which the mouse is: not pixels on every system.

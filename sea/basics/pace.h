@@ -84,6 +84,11 @@ class Paces {
                 fastest = std::max(fastest, pace.permille);
         return fastest;
     }
+    /// How much more sea time than clocks' passes where it is fastest, at least 1: what is to be in time lies so much further
+    /// ahead.
+    double hurry(TimeUs elapsed_us) const {
+        return std::max(fastest_permille(elapsed_us), pace_unit) / static_cast<double>(pace_unit);
+    }
     /// The moment, not before `elapsed_us`, from which on it is that time; none: never.
     std::optional<TimeUs> moment_of(TimeUs sea_us, TimeUs elapsed_us) const;
 

@@ -19,9 +19,7 @@ FoamLawPtr FoamGlide::at(TimeUs time_us) const {
         FoamModel model = to_->model;
         model.gain_per_s = glided(from_->model.gain_per_s, to_->model.gain_per_s, middle);
         model.bias = glided(from_->model.bias, to_->model.bias, middle);
-        model.threshold = from_->calm() ? to_->threshold
-                          : to_->calm() ? from_->threshold
-                                        : glided(from_->threshold, to_->threshold, middle);
+        model.threshold = glided(first_threshold(), last_threshold(), middle);
         law = make_foam_law(*change_.with_share(middle), model);
     }
     return law;

@@ -63,7 +63,7 @@ FoamWalk::FoamWalk(FoamLawPtr law, int cascade, TimeUs interval_us)
 
 bool FoamWalk::has_no_history() const {
     // Without memory there is nothing to walk through.
-    return ticks_.decay_s == 0 || (!law_at_ && foam_idle(*law_, cascade_));
+    return ticks_.decay_s == 0 || (!follows() && foam_idle(*law_, cascade_));
 }
 
 bool FoamWalk::goes_on_to(TimeUs tick_us) const {
@@ -81,6 +81,18 @@ void FoamWalk::start_for(TimeUs tick_us) {
     start_end_us_ = tick_us;
     started_ = true;
     fresh_ = true;
+}
+
+void FoamWalk::pass_calm(TimeUs time_us) {
+    if (has_no_history())
+        return;
+    const TimeUs end_us = ticks_.at_or_before(time_us);
+    if (!goes_on_to(end_us))
+        start_for(end_us);
+    if (!fresh_ || ticks_.periodic) // a loop begins with clean water
+        return;
+    while (tick_us_ < end_us && foam_idle(*law_at(ticks_.after(tick_us_)), cascade_))
+        tick_us_ = ticks_.after(tick_us_);
 }
 
 int FoamWalk::ticks_to(TimeUs time_us) const {
@@ -105,10 +117,8 @@ std::optional<TimeUs> FoamWalk::next_us(TimeUs time_us) const {
 std::optional<FoamStep> FoamWalk::next(TimeUs time_us) {
     if (has_no_history())
         return std::nullopt;
-    const TimeUs end_us = ticks_.at_or_before(time_us);
-    if (!goes_on_to(end_us))
-        start_for(end_us);
-    if (tick_us_ >= end_us)
+    pass_calm(time_us);
+    if (tick_us_ >= ticks_.at_or_before(time_us))
         return std::nullopt;
     const TimeUs next_us = ticks_.after(tick_us_);
     const double remains = foam_remains(seconds_from_us(next_us - tick_us_), ticks_.decay_s);
@@ -118,24 +128,29 @@ std::optional<FoamStep> FoamWalk::next(TimeUs time_us) {
                         ? FoamTick::without_strains(static_cast<float>(remains),
                                                     static_cast<float>(weight * (1.0 - remains)))
                         : foam_tick(*law, cascade_, remains, weight);
-    if (std::exchange(fresh_, false)) {
-        // Whatever the map was, it starts from the average, a loop from clean water.
-        tick.added += ticks_.periodic ? 0.0f : tick.remains;
-        tick.remains = 0.0f;
-    }
+    if (std::exchange(fresh_, false))
+        forget_before(tick);
     tick_us_ = next_us;
     return FoamStep{next_us, tick};
+}
+
+/// Whatever the map was, it starts from the average, a loop from clean water.
+void FoamWalk::forget_before(FoamTick& tick) const {
+    tick.added += ticks_.periodic ? 0.0f : tick.remains;
+    tick.remains = 0.0f;
 }
 
 FoamView FoamWalk::at(TimeUs time_us) const {
     FoamView view{FoamTick::without_strains(1.0f, 0.0f)};
     const FoamLawPtr law = law_at(time_us);
-    if (!law_at_ && foam_idle(*law, cascade_))
+    if (!follows() && foam_idle(*law, cascade_))
         return view;
     const TimeUs tick_us = ticks_.at_or_before(time_us);
     if (!foam_idle(*law, cascade_) && (ticks_.decay_s == 0 || time_us > tick_us))
         view.tick = foam_tick(*law, cascade_,
                               foam_remains(seconds_from_us(time_us - tick_us), ticks_.decay_s));
+    if (started_ && fresh_) // there was no step
+        forget_before(view.tick);
     view.departure = static_cast<float>(ticks_.departure);
     return view;
 }

@@ -47,17 +47,26 @@ struct FoamView {
 
 class FoamWalk {
   public:
-    /// Begins at the average. A calm law keeps it there for ever.
+    /// Begins at the average. A calm law keeps it there for ever, without a step.
     FoamWalk(FoamLawPtr law, int cascade, TimeUs interval_us);
 
     /// For seas that change: the law of each moment; ticks stay those of the constructor's law. Where the law of a
-    /// tick is calm, its strains are not looked at and the map goes towards the average.
+    /// tick is calm, its strains are not looked at and the map goes towards the average; where it is there, because no
+    /// tick of the start has been of another law, there is no step. `changes`: as long as it says no, the constructor's law
+    /// is that of all moments.
     using LawAt = std::function<FoamLawPtr(TimeUs)>;
-    void follow(LawAt law_at) { law_at_ = std::move(law_at); }
+    using Changes = std::function<bool()>;
+    void follow(
+        LawAt law_at, Changes changes = [] { return true; }) {
+        law_at_ = std::move(law_at);
+        changes_ = std::move(changes);
+    }
 
-    /// How many steps next() has on the way to a time.
+    /// Past ticks at which nothing is to be done, on the way to a time: the two that follow no longer count them.
+    void pass_calm(TimeUs time_us);
+    /// How many steps next() has on the way to a time, at most.
     int ticks_to(TimeUs time_us) const;
-    /// When the next one is.
+    /// When the next one is, at the earliest.
     std::optional<TimeUs> next_us(TimeUs time_us) const;
     /// The next one; none: the map is where at() wants it. On from an earlier call these are the ticks since then; at
     /// the first call, back in time, or after a gap longer than the memory, those of the memory (foam_ticks.h). A
@@ -74,19 +83,23 @@ class FoamWalk {
     const FoamLaw& law() const { return *law_; }
 
   private:
+    bool follows() const { return law_at_ && changes_(); }
     FoamLawPtr law_at(TimeUs time_us) const { return law_at_ ? law_at_(time_us) : law_; }
     /// What is held, or will be at the end of the start, is on the way to this tick.
     bool goes_on_to(TimeUs tick_us) const;
     void start_for(TimeUs tick_us);
+    void forget_before(FoamTick& tick) const;
     /// This cascade says nothing about where waves break, or nothing is remembered.
     bool has_no_history() const;
 
     FoamLawPtr law_;
     LawAt law_at_; ///< null: it is law_ for ever
+    Changes changes_;
     int cascade_;
     FoamTicks ticks_;
     bool started_ = false;
-    bool fresh_ = false;        ///< the map is still that of before the start
+    bool fresh_ =
+        false; ///< the map is still that of before the start, and to be taken for the average
     TimeUs tick_us_ = 0;        ///< the tick that the map stands at
     TimeUs start_end_us_ = 0;   ///< before this tick the start is half-way, and the map no history
     double start_weight_ = 1.0; ///< of what is added until then

@@ -22,8 +22,13 @@ std::size_t line_pitch(int size) {
 
 float* plane_of(const NativeTask& task, Field field) {
     const auto size = static_cast<std::size_t>(task.cascade->size());
-    const auto index = static_cast<std::size_t>(task.fields.index_of(field));
-    return task.fields.contains(field) ? task.planes.data() + index * size * size : nullptr;
+    const auto plane = [&](std::span<float> planes, FieldSet fields) {
+        return planes.data() + static_cast<std::size_t>(fields.index_of(field)) * size * size;
+    };
+    if (task.fields.contains(field))
+        return plane(task.planes, task.fields);
+    const bool beside = strain_fields.contains(field) && !task.strains.empty();
+    return beside ? plane(task.strains, strain_fields) : nullptr;
 }
 
 int base_of(Field field) {
@@ -40,7 +45,7 @@ void Batch::list_fields(const NativeTask& task, Work& work) {
     std::array<Field, linear_field_count> order{};
     int count = 0, scratch_rows = 0;
     std::uint32_t bases = 0, sources = 0;
-    for (Field field : NativeRunner::transformed(task.fields)) {
+    for (Field field : task.transformed()) {
         order[static_cast<std::size_t>(count++)] = field;
         bases |= 1u << base_of(field);
         sources |= 1u << (base_of(field) / 3);
@@ -119,7 +124,7 @@ std::size_t Batch::grow(std::span<const NativeTask> tasks) {
     for (const NativeTask& task : tasks) {
         const Kernels& kernels = *task.cascade->state_->kernels;
         const auto size = static_cast<std::size_t>(kernels.size);
-        const auto fields = static_cast<std::size_t>(NativeRunner::transformed(task.fields).size());
+        const auto fields = static_cast<std::size_t>(task.transformed().size());
         scratch = std::max(scratch, kernels.scratch_floats);
         lines = std::max(lines, size * fields * 2 * line_pitch(kernels.size));
     }

@@ -97,8 +97,6 @@ struct Kernels {
     float (*product_then_sum)(float a, float b, float c);
 };
 
-using KernelTable = const Kernels* (*)(int size);
-
 const Kernels* portable_kernels(int size);
 #if defined(SEAWAY_X86)
 const Kernels* avx2_kernels(int size);

@@ -24,10 +24,9 @@ ThreadPool& NativeRunner::pool() {
     return state_->pool;
 }
 
-FieldSet NativeRunner::transformed(FieldSet fields) {
-    if (fields.contains(Field::jacobian))
-        fields |= {Field::strain_xx, Field::strain_yy, Field::strain_xy};
-    return fields & linear_fields;
+FieldSet NativeTask::transformed() const {
+    const bool of_strains = fields.contains(Field::jacobian) || !strains.empty();
+    return (of_strains ? fields | strain_fields : fields) & linear_fields;
 }
 
 void NativeRunner::run(std::span<const NativeTask> tasks) {
@@ -37,6 +36,8 @@ void NativeRunner::run(std::span<const NativeTask> tasks) {
         SEAWAY_CHECK(task.planes.size() ==
                          static_cast<std::size_t>(task.fields.size()) * size * size,
                      "planes do not match fields and size");
+        SEAWAY_CHECK(task.strains.empty() || task.strains.size() == 3 * size * size,
+                     "room for three strains or none");
     }
     state_->pool.run(state_->batch.prepare(tasks));
 }

@@ -20,7 +20,7 @@
 // Stylised waves (sea/waves/sine_waves.h) are no modes: whoever wants them adds them to the maps.
 //
 // One caller at a time. Throws std::bad_alloc when there is no memory for scratch. Cost:
-// docs/performance.md.
+// docs/performance/maps.md.
 #pragma once
 
 #include <complex>
@@ -50,6 +50,12 @@ struct NativeTask {
     TimeUs phase_time_us;    ///< Realization::phase_time of the sea time
     FieldSet fields;         ///< without foam
     std::span<float> planes; ///< out: [field in table order][y][x], fields.size() * size^2 values
+    /// Out, where all strains are wanted for something else: room for [xx, yy, xy][y][x], of which those that are no
+    /// field are written here. Empty: they are not wanted.
+    std::span<float> strains = {};
+
+    /// Real fields that are transformed.
+    FieldSet transformed() const;
 };
 
 /// What stands between the two passes: a half spectrum, transformed along y and not yet along x.
@@ -76,9 +82,6 @@ class NativeRunner {
 
     /// Runs one task and copies its lines, for pictures of intermediate results.
     std::vector<NativeLines> run_and_show(const NativeTask& task);
-
-    /// Real fields that are transformed for a set: itself, with the strains of a Jacobian.
-    static FieldSet transformed(FieldSet fields);
 
   private:
     std::unique_ptr<native::RunnerState> state_;

@@ -14,6 +14,7 @@
 #include "sea/scene/accuracy_presets.h"
 #include "sea/spectrum/spreading.h"
 #include "sea/waves/sea_state.h"
+#include "sea/waves/statistics/moments.h"
 
 namespace seaway::sea {
 
@@ -134,6 +135,8 @@ inline double towards_from_bearing(double from_deg) {
 
 /// The bearing in [0, 360) that reads back as exactly this direction.
 double bearing_from_towards(double towards_rad);
+/// Where a sea comes from in the mean. A flat one comes from nowhere: 0, as its other numbers.
+double mean_from_deg(const SeaStatistics& sea);
 
 /// The degrees that read back as exactly this angle.
 double degrees_of(double angle_rad);

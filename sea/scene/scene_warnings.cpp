@@ -15,6 +15,8 @@ namespace seaway::sea {
 namespace {
 
 constexpr double tile_wavelengths_min = 8.0;
+constexpr double scatter_reported =
+    0.06; ///< of Hs; wind seas on eight peak wavelengths have 2 to 6 %
 constexpr double breaking_height_over_depth = 0.6;
 constexpr double lost_share_reported = 0.01;
 constexpr double lattice_bias_reported = 0.01; ///< as a share, or in radians
@@ -199,12 +201,24 @@ void warn_of_time_and_depth(const Scene& scene, const Realization& realization,
                                        100.0 * narrowed.energy_share, narrowed.width));
 }
 
-/// Of the longest tile of spectra. Those of waves given one by one may be longer, and scatter by nothing.
-double largest_scatter(const Realization& realization, const SeaSummary& summary) {
-    for (std::size_t c = 0; c < realization.cascades.size(); ++c)
-        if (realization.cascades[c].carries_spectra)
-            return summary.cascades[c].expected_scatter;
-    return 0.0;
+/// Few waves carry the sea: those of a tile that is short beside the peak, or of a narrow one on any tile.
+void warn_of_scatter(const Scene& scene, const SeaSummary& summary,
+                     std::vector<std::string>& warnings) {
+    const double tile = scene.cascades.front().length_m;
+    const double peak = summary.longest_peak_wavelength_m;
+    if (!(peak > 0.0))
+        return;
+    const double scatter = hs_scatter(summary);
+    if (tile < tile_wavelengths_min * peak)
+        warnings.push_back(fmt::format(
+            "the largest cascade ({:g} m) holds {:.1f} peak wavelengths of {:.0f} m, fewer than "
+            "{:g}: Hs of one seed scatters by {:.0f} %",
+            tile, tile / peak, peak, tile_wavelengths_min, 100.0 * scatter));
+    else if (scatter > scatter_reported)
+        warnings.push_back(fmt::format(
+            "so narrow a sea has few waves on the largest cascade ({:g} m, {:.1f} peak "
+            "wavelengths): Hs of one seed scatters by {:.0f} %; a longer one scatters less",
+            tile, tile / peak, 100.0 * scatter));
 }
 
 } // namespace
@@ -222,14 +236,7 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Realization& r
     if (!(height > 0.0))
         return warnings;
     const double variance = height * height / 16.0;
-    const double tile = scene.cascades.front().length_m;
-    const double peak = summary.longest_peak_wavelength_m;
-    if (peak > 0.0 && tile < tile_wavelengths_min * peak)
-        warnings.push_back(fmt::format(
-            "the largest cascade ({:g} m) holds {:.1f} peak wavelengths of {:.0f} m, fewer than "
-            "{:g}: Hs of one seed scatters by {:.0f} %",
-            tile, tile / peak, peak, tile_wavelengths_min,
-            100.0 * largest_scatter(realization, summary)));
+    warn_of_scatter(scene, summary, warnings);
     if (height > breaking_height_over_depth * scene.sea.depth_m)
         warnings.push_back(fmt::format(
             "Hs {:.2f} m is above {:g} of the depth, {:g} m: such waves break, outside the model",

@@ -178,6 +178,10 @@ double bearing_from_towards(double towards_rad) {
     return exact_degrees(bearing, towards_rad, towards_from_bearing);
 }
 
+double mean_from_deg(const SeaStatistics& sea) {
+    return sea.significant_height_m > 0.0 ? bearing_from_towards(sea.mean_towards_rad) : 0.0;
+}
+
 double degrees_of(double angle_rad) {
     return exact_degrees(angle_rad * (180.0 / pi), angle_rad,
                          [](double degrees) { return degrees * (pi / 180.0); });

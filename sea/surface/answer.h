@@ -31,7 +31,8 @@ enum AnswerFlag : std::uint32_t {
     answer_extrapolated = 1u << 2,  ///< outside the keyframes held; `error_m` is not a bound
     answer_invalid = 1u << 3,       ///< the point was not a number; the rest is NaN
     answer_exact = 1u << 4,         ///< direct sum in double precision
-    /// From maps that hold no displacement: the velocity has its vertical part alone.
+    /// Of some of the waves the velocity has its vertical part alone: of all, from maps that hold no displacement; of stylised
+    /// ones (sea/waves/sine_waves.h) from whatever is asked.
     answer_vertical_velocity = 1u << 5,
     /// With answer_folded: a sheet begins or ends so near that the error of the maps leaves open which
     /// one is the highest, and `error_m` is not a bound. The exact sum knows.
@@ -78,8 +79,8 @@ struct Answer {
     double height_m = 0;
     double normal[3] = {0, 0, 1}; ///< unit length, z up
     /// Of the water at the surface, by linear theory: (dDx/dt, dDy/dt, d eta/dt) at choppiness 1,
-    /// whatever choppiness moves the picture's points. Stylised waves that are no modes
-    /// (exponential sines) have no water below them and give their vertical part alone.
+    /// whatever choppiness moves the picture's points. Stylised waves that are no modes have no water
+    /// below them and give their vertical part alone: answer_vertical_velocity.
     double velocity_mps[3] = {0, 0, 0};
     double error_m = 0;      ///< bound on |height_m - truth|
     std::uint32_t flags = 0; ///< AnswerFlag

@@ -9,7 +9,8 @@
 //
 // Valid for a sea of waves that do not break, from the surface to the floor: the sum is of first order in steepness, what it
 // leaves out is of second (with a k = 0.1 a tenth of a wave's velocity, less below). No bound is stated. Currents and the
-// drift of second order are not in it. Stylised waves (sea/waves/sine_waves.h) have no water below them.
+// drift of second order are not in it. Stylised waves (sea/waves/sine_waves.h) have no water below them:
+// what they move and press is missing, and the answer is flagged answer_vertical_velocity.
 //
 // Thread-safe. Cost: an exact answer and DirectSum::Moment::motion().
 #pragma once

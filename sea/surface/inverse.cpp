@@ -230,7 +230,10 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,
                   const DirectSum::Moment& moment, Vec2* lagrangian) {
     MomentSheets sheets(moment, options);
-    return surface_at(point, options, LagrangianField(moment), &sheets, lagrangian);
+    Answer answer = surface_at(point, options, LagrangianField(moment), &sheets, lagrangian);
+    if (!moment.moves_sideways() && !(answer.flags & answer_invalid))
+        answer.flags |= answer_vertical_velocity;
+    return answer;
 }
 
 } // namespace seaway::sea

@@ -7,7 +7,7 @@
 //
 // Immutable; thread-safe; allocates nothing but what searches for sheets keep for the next one of their thread. Where the surface is
 // gentle and alone, which bounds prove place by place, points are solved some at a time (point_kernel.h): see
-// docs/performance.md for what they cost. Elsewhere one by one, with all sheets, ten to fifty times that.
+// docs/performance/points.md for what they cost. Elsewhere one by one, with all sheets, ten to fifty times that.
 #pragma once
 
 #include <initializer_list>
@@ -123,7 +123,7 @@ class Surface {
     double fold_strain_blur_;
     double flat_height_bound_m_;
     ShortList<PointTile, surface_pairs_max> tiles_; ///< of pairs_, for kernels
-    bool moves_sideways_ = true;                    ///< every map holds displacements
+    bool moves_sideways_ = true;                    ///< every map does
 };
 
 } // namespace seaway::sea

@@ -178,6 +178,13 @@ TileWaves DirectSum::Moment::waves(std::size_t tile) const {
             rate_.data(),  sum_->displacement_over_k_m_.data(), t.kx_radpm.data()};
 }
 
+bool DirectSum::Moment::moves_sideways() const {
+    for (std::size_t t = 0; t < sum_->tiles_.size(); ++t)
+        if (has(t) && !sum_->sea_->cascades[t].sines.empty())
+            return false;
+    return true;
+}
+
 LagrangianPoint DirectSum::Moment::at(double x_m, double y_m) const {
     LagrangianPoint point;
     if (!std::isfinite(x_m) || !std::isfinite(y_m)) {

@@ -80,6 +80,8 @@ class DirectSum {
         };
         PatchScale patch_scale(int cascade) const;
         const Realization& sea() const { return sum_->sea(); }
+        /// All of its waves do: none is stylised (sea/waves/sine_waves.h).
+        bool moves_sideways() const;
         std::size_t bytes() const { return (height_.size() + rate_.size()) * sizeof(PairBlock); }
 
       private:

@@ -11,8 +11,8 @@
 #include "base/check.h"
 #include "base/thread_pool.h"
 #include "sea/foam/foam.h"
-#include "sea/surface/maps/sine_maps.h"
 #include "server/device/spare_buffers.h"
+#include "server/device/stylised_waves.h"
 
 namespace seaway::server {
 
@@ -24,9 +24,10 @@ struct NativeFoam final : FoamMap {
     sea::FoamRatios ratios;
 };
 
-sea::FieldSet with_strains(const KeyframeRequest& request) {
-    const bool looks = request.foam != nullptr && request.foam->looks(request.fields);
-    return looks ? request.fields | sea::foam_inputs : request.fields;
+/// Its turn looks at strains that are not among its maps.
+bool lacks_strains(const KeyframeRequest& request) {
+    return request.foam != nullptr && request.foam->looks(request.fields) &&
+           !request.fields.contains(sea::foam_inputs);
 }
 
 } // namespace
@@ -65,69 +66,76 @@ Result<FoamMapPtr> NativeSynthesizer::open_foam(int size, const FoamMap* from) t
     return Error{DeviceError::out_of_memory, "native foam: out of memory"};
 }
 
-void NativeSynthesizer::take_turn(const FoamTurn& turn, sea::Keyframe& keyframe) {
+void NativeSynthesizer::take_turn(const FoamTurn& turn, const sea::Keyframe& strains,
+                                  sea::Keyframe& keyframe) {
     struct Work {
         const FoamTurn& turn;
         sea::FoamRatios& ratios;
+        const sea::Keyframe& strains;
         sea::Keyframe& keyframe;
         bool shows;
-    } const work{turn, static_cast<NativeFoam&>(*turn.map).ratios, keyframe,
+    } const work{turn, static_cast<NativeFoam&>(*turn.map).ratios, strains, keyframe,
                  keyframe.fields.contains(sea::Field::foam)};
     const auto some = [](const void* context, int chunk, int) {
         const Work& of = *static_cast<const Work*>(context);
         const sea::FoamRatios::Part part = of.ratios.part(chunk);
         if (of.turn.kept)
-            of.ratios.take(*of.turn.kept, &of.keyframe, part);
+            of.ratios.take(*of.turn.kept, &of.strains, part);
         if (of.shows)
-            of.ratios.show(of.turn.shown, &of.keyframe, of.keyframe.plane(sea::Field::foam), part);
+            of.ratios.show(of.turn.shown, &of.strains, of.keyframe.plane(sea::Field::foam), part);
     };
     runner_.pool().run(std::array{Phase{some, &work, work.ratios.parts()}});
+    counters_.dispatches += turn.kept || work.shows;
     counters_.foam_ticks += turn.kept.has_value() + (work.shows && turn.shown.tick.looks());
+}
+
+NewKeyframePtr NativeSynthesizer::keyframe(const KeyframeRequest& request,
+                                           sea::FieldSet fields) const {
+    SEAWAY_CHECK(request.cascade >= 0 && request.cascade < static_cast<int>(cascades_.size()),
+                 "request for a cascade that the sea does not have");
+    const sea::CascadeSpec& spec = sea_->cascades[static_cast<std::size_t>(request.cascade)].spec;
+    NewKeyframePtr made = make_keyframe(spare_);
+    *made = {epoch_, request.cascade, request.time_us, spec.size, spec.length_m, fields};
+    made->values = spare_->take(static_cast<std::size_t>(fields.size()) * made->plane_size());
+    return made;
 }
 
 Result<std::vector<NewKeyframePtr>>
 NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
-    std::vector<NewKeyframePtr> keyframes;
+    std::vector<NewKeyframePtr> keyframes,
+        strains; ///< the latter: for foam, where others lack them; or null
     std::vector<sea::NativeTask> tasks;
     for (const KeyframeRequest& request : requests) {
-        SEAWAY_CHECK(request.cascade >= 0 && request.cascade < static_cast<int>(cascades_.size()),
-                     "request for a cascade that the sea does not have");
-        const auto index = static_cast<std::size_t>(request.cascade);
-        SEAWAY_CHECK(cascades_[index], "request for a cascade that the sea was given without");
-        const sea::NativeTransform& cascade = *cascades_[index];
-        auto keyframe = make_keyframe(spare_);
-        keyframe->epoch = epoch_;
-        keyframe->cascade = request.cascade;
-        keyframe->time_us = request.time_us;
-        keyframe->size = cascade.size();
-        keyframe->length_m = sea_->cascades[index].spec.length_m;
-        keyframe->fields = with_strains(request);
-        keyframe->values = spare_->take(static_cast<std::size_t>(keyframe->fields.size()) *
-                                        keyframe->plane_size());
-        const sea::FieldSet fields = synthesized(keyframe->fields);
-        const std::size_t values = static_cast<std::size_t>(fields.size()) * keyframe->plane_size();
-        tasks.push_back({&cascade, sea_->phase_time(request.time_us), fields,
-                         std::span(keyframe->values).first(values)});
-        keyframes.push_back(std::move(keyframe));
-        counters_.transforms +=
-            static_cast<std::uint64_t>(sea::NativeRunner::transformed(fields).size());
+        sea::Keyframe& made = *keyframes.emplace_back(keyframe(request, request.fields));
+        const auto& cascade = cascades_[static_cast<std::size_t>(request.cascade)];
+        SEAWAY_CHECK(cascade, "request for a cascade that the sea was given without");
+        const sea::FieldSet fields = synthesized(request.fields);
+        const std::size_t values = static_cast<std::size_t>(fields.size()) * made.plane_size();
+        sea::NativeTask& task =
+            tasks.emplace_back(sea::NativeTask{&*cascade, sea_->phase_time(request.time_us), fields,
+                                               std::span(made.values).first(values)});
+        strains.push_back(lacks_strains(request) ? keyframe(request, sea::foam_inputs) : nullptr);
+        if (strains.back())
+            task.strains = strains.back()->values;
+        counters_.transforms += static_cast<std::uint64_t>(task.transformed().size());
+        counters_.dispatches += task.transformed().empty() ? 0 : 2;
     }
+    counters_.keyframes += with_fields(requests);
     const auto start = std::chrono::steady_clock::now();
     runner_.run(tasks);
-    for (std::size_t i = 0; i < keyframes.size(); ++i)
-        for (const sea::SineField& field :
-             sea_->cascades[static_cast<std::size_t>(requests[i].cascade)].sines)
-            sea::add_sines(field, tasks[i].phase_time_us, *keyframes[i]);
     const auto mapped = std::chrono::steady_clock::now();
-    for (std::size_t i = 0; i < keyframes.size(); ++i)
-        if (requests[i].foam != nullptr)
-            take_turn(*requests[i].foam, *keyframes[i]);
+    for (std::size_t i = 0; i < keyframes.size(); ++i) {
+        if (requests[i].foam == nullptr)
+            continue;
+        for (const sea::Field field : (requests[i].fields & sea::foam_inputs))
+            if (strains[i])
+                sea::copy_map(*keyframes[i], field, *strains[i]);
+        take_turn(*requests[i].foam, strains[i] ? *strains[i] : *keyframes[i], *keyframes[i]);
+    }
     const auto seconds = [](auto span) { return std::chrono::duration<double>(span).count(); };
     counters_.device_seconds += seconds(mapped - start);
     counters_.foam_seconds += seconds(std::chrono::steady_clock::now() - mapped);
-    const auto made = std::ranges::count_if(tasks, [](const auto& t) { return !t.fields.empty(); });
-    counters_.dispatches += 2 * static_cast<std::uint64_t>(made);
-    counters_.keyframes += static_cast<std::uint64_t>(made);
+    add_stylised(requests, *sea_, keyframes, counters_);
     return keyframes;
 } catch (const std::bad_alloc&) {
     return Error{DeviceError::out_of_memory, "native synthesis: out of memory"};

@@ -27,8 +27,10 @@ class NativeSynthesizer final : public Synthesizer {
     SynthesisCounters counters() const override { return counters_; }
 
   private:
-    /// With the strains of its own request.
-    void take_turn(const FoamTurn& turn, sea::Keyframe& keyframe);
+    /// `strains`: a keyframe that has them, where the turn looks at any.
+    void take_turn(const FoamTurn& turn, const sea::Keyframe& strains, sea::Keyframe& keyframe);
+    /// Without values.
+    NewKeyframePtr keyframe(const KeyframeRequest& request, sea::FieldSet fields) const;
 
     sea::NativeRunner runner_;
     sea::RealizationPtr sea_;

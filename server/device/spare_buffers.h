@@ -43,6 +43,11 @@ class SpareBuffers {
             std::swap(held_[oldest_++ % most_held], buffer);
     }
 
+    void clear() {
+        const std::lock_guard lock(mutex_);
+        held_.clear();
+    }
+
   private:
     static constexpr std::size_t most_held = 8;
     std::mutex mutex_;

@@ -5,6 +5,7 @@
 // Calls come from one thread (the simulation thread); a synthesizer need not be thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -44,9 +45,9 @@ struct FoamTurn {
     }
 };
 
-/// One keyframe wanted: which fields of which cascade, when. With a turn Field::foam is filled too, and a device that
-/// makes foam of its keyframes may add sea::foam_inputs to the fields; without one the plane of Field::foam, the last,
-/// is left for the caller. Turns of one map are taken in the order of their requests.
+/// One keyframe wanted: which fields of which cascade, when. It has these and no other. With a turn Field::foam is filled
+/// too; without one the plane of Field::foam, the last, is left for the caller. Turns of one map are taken in the order
+/// of their requests.
 struct KeyframeRequest {
     int cascade;
     sea::TimeUs time_us;
@@ -62,6 +63,12 @@ struct KeyframeRequest {
 /// The fields of a request that transforms fill, and the Jacobian.
 inline constexpr sea::FieldSet synthesized(sea::FieldSet fields) {
     return sea::FieldSet::from_bits(fields.bits() & ~sea::FieldSet{sea::Field::foam}.bits());
+}
+
+/// Those that ask for a keyframe, and not for a tick of a foam history alone.
+inline std::uint64_t with_fields(std::span<const KeyframeRequest> requests) {
+    return static_cast<std::uint64_t>(std::ranges::count_if(
+        requests, [](const KeyframeRequest& request) { return !request.fields.empty(); }));
 }
 
 /// A keyframe that nobody else holds yet: it may still be written to.
@@ -81,7 +88,7 @@ enum class DeviceError {
 struct SynthesisCounters {
     std::uint64_t dispatches = 0; ///< kernels started (native: passes)
     std::uint64_t transforms = 0; ///< 2-D transforms, one a real field
-    std::uint64_t keyframes = 0;
+    std::uint64_t keyframes = 0;  ///< that have a field: a tick of a foam history alone is none
     std::uint64_t cascades = 0;   ///< whose waves were taken, a new sea at a time
     double device_seconds = 0;    ///< by the device's own clock where that costs nothing
     std::uint64_t copies = 0;     ///< of keyframes, out of a device's memory
@@ -94,6 +101,7 @@ struct SynthesisCounters {
         {}; ///< that were to be rounded and travelled as floats, by field
     std::uint64_t readbacks_beside =
         0; ///< runs whose maps were waited for when the next run had been submitted
+    std::uint64_t stylised_sums = 0; ///< of one wave at one point (sea/surface/maps/sine_maps.h)
 
     friend SynthesisCounters operator+(SynthesisCounters a, const SynthesisCounters& b) {
         return a.each(b, [](auto& own, auto other) { own += other; });
@@ -118,6 +126,7 @@ struct SynthesisCounters {
         for (std::size_t i = 0; i < maps_too_large.size(); ++i)
             work(maps_too_large[i], other.maps_too_large[i]);
         work(readbacks_beside, other.readbacks_beside);
+        work(stylised_sums, other.stylised_sums);
         return *this;
     }
 };

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "sea/surface/maps/sine_maps.h"
-
 namespace seaway::server {
 
 namespace {
@@ -48,16 +46,6 @@ void join(std::span<const NewKeyframePtr> parts, sea::Keyframe& whole) {
     for (const NewKeyframePtr& part : parts)
         for (const sea::Field field : part->fields)
             std::ranges::copy(part->plane(field), whole.plane(field).begin());
-}
-
-void add_sines(std::span<const KeyframeRequest> parts, const sea::Realization& sea,
-               std::span<const NewKeyframePtr> made) {
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        for (const sea::SineField& field :
-             sea.cascades[static_cast<std::size_t>(parts[i].cascade)].sines) {
-            made[i]->forget_steps(made[i]->fields);
-            sea::add_sines(field, sea.phase_time(parts[i].time_us), *made[i]);
-        }
 }
 
 } // namespace seaway::server

@@ -17,8 +17,4 @@ std::vector<KeyframeRequest> parts_of(const KeyframeRequest& request, int maps_a
 /// The planes of all parts, to a keyframe that has their fields and room for their values.
 void join(std::span<const NewKeyframePtr> parts, sea::Keyframe& whole);
 
-/// Waves that no transform can carry, point by point (scenes with stylised sines), to the keyframes of these parts.
-void add_sines(std::span<const KeyframeRequest> parts, const sea::Realization& sea,
-               std::span<const NewKeyframePtr> made);
-
 } // namespace seaway::server

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "gpu/device.h"
 #include "server/device/spare_buffers.h"
+#include "server/device/stylised_waves.h"
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_check.h"
 #include "server/device/vulkan_foam.h"
@@ -186,9 +187,7 @@ Vulkan::synthesize(std::span<const KeyframeRequest> requests) try {
     }
     std::vector<NewKeyframePtr> made(parts.size());
     SEAWAY_TRY(make_parts(parts, made));
-    counters_.keyframes += requests.size();
-    if (parts.size() == requests.size())
-        return made;
+    counters_.keyframes += with_fields(requests);
     std::vector<NewKeyframePtr> out;
     for (std::size_t i = 0, first = 0; i < requests.size(); first += counts[i++]) {
         out.push_back(counts[i] == 1 ? made[first] : keyframe(requests[i]));
@@ -199,6 +198,7 @@ Vulkan::synthesize(std::span<const KeyframeRequest> requests) try {
             spare_->take(whole.plane_size() * static_cast<std::size_t>(whole.fields.size()));
         join(std::span(made).subspan(first, counts[i]), whole);
     }
+    add_stylised(requests, *sea_, out, counters_);
     return out;
 } catch (const std::bad_alloc&) {
     return no_memory();
@@ -219,7 +219,7 @@ Vulkan::synthesize_there(std::span<const KeyframeRequest> requests) try {
         }
         return {};
     }));
-    counters_.keyframes += requests.size();
+    counters_.keyframes += with_fields(requests);
     return out;
 } catch (const std::bad_alloc&) {
     return no_memory();
@@ -322,7 +322,6 @@ Result<void> Vulkan::make_parts(std::span<const KeyframeRequest> parts,
         end_runs();
         return ran;
     }
-    add_sines(parts, *sea_, made);
     return {};
 }
 

@@ -26,8 +26,10 @@ struct EncodedSpectrum {
     std::vector<Message> messages;
     std::size_t bytes = 0; ///< of them all
 };
-/// Seas whose waves one wish may get at once, and bytes of those of one, whatever the sea: what the wire takes.
-inline constexpr std::size_t spectra_of_a_wish_max = 4;
+/// Seas whose waves there is room for however fine they are: of those that a wish may get at once (limits::spectra_max) most are
+/// a tenth of that.
+inline constexpr std::size_t finest_spectra_held = 4;
+/// Bytes of those of one, whatever the sea: what the wire takes.
 inline constexpr std::size_t encoded_spectrum_bytes_max = std::size_t{4608} * 1024;
 
 using EncodedSpectrumPtr = std::shared_ptr<const EncodedSpectrum>;
@@ -44,7 +46,7 @@ struct GrantedSpectrum {
     float slope_error = 0; ///< limits::error_m_max and more: none
     sea::FieldSet fields = {};
     std::string why = {}; ///< in what this is less than the wish; empty: in nothing
-    /// Of the sea that runs, of the one before where it glides, and of those that are announced. Of a glide: the waves
+    /// Of the sea that runs, of those that it glides from, and of those that are announced. Of a glide: the waves
     /// that it leads to.
     std::vector<EncodedSpectrumPtr> spectra;
 };

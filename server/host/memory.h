@@ -47,7 +47,7 @@ struct MemoryShare {
     int parts;             ///< of memory_parts
 };
 
-/// Parts as floods and long runs of the gale used them (docs/performance.md).
+/// Parts as floods and long runs of the gale used them (docs/performance/load.md).
 inline constexpr std::array<MemoryShare, memory_uses> memory_shares{{
     // The store: keyframes with their splines. Makes room itself, oldest use first out.
     {MemoryUse::keyframes, "keyframes", 14},

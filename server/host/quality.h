@@ -55,9 +55,6 @@ inline constexpr Rung rung_of(Quality quality) {
             coarser / size_rungs.size()};
 }
 
-inline constexpr bool is_compact(Quality quality) {
-    return rung_of(quality).compact;
-}
 /// Smaller maps or fewer keyframes than all there is.
 inline constexpr bool is_coarser(Quality quality) {
     return quality >= whole_rungs;

@@ -49,9 +49,14 @@ SeaMoment SeaClock::locked_moment() {
         behind_us > leap_us ? behind_us : std::clamp(behind_us, -most_us, most_us);
     elapsed_us_ += caught_up_us;
     paces_.forget_before(elapsed_us_);
-    shown_us_ = std::max(shown_us_, paces_.sea_time(elapsed_us_));
-    return {shown_us_, elapsed_us_, paces_.at(elapsed_us_).permille, behind_us - caught_up_us,
-            epoch_utc_us_};
+    const sea::TimeUs by_paces_us = paces_.sea_time(elapsed_us_);
+    shown_us_ = std::max(shown_us_, by_paces_us);
+    return {shown_us_,
+            elapsed_us_,
+            paces_.at(elapsed_us_).permille,
+            behind_us - caught_up_us,
+            epoch_utc_us_,
+            shown_us_ - by_paces_us};
 }
 
 void SeaClock::follow(const sea::Pace& pace) {
@@ -61,7 +66,9 @@ void SeaClock::follow(const sea::Pace& pace) {
 
 sea::Pace SeaClock::next_pace(sea::TimeUs from_us, int permille) {
     const std::scoped_lock lock(mutex_);
-    return paces_.next(from_us, permille);
+    sea::Pace pace = paces_.next(from_us, permille);
+    pace.sea_us = std::max(pace.sea_us, shown_us_);
+    return pace;
 }
 
 std::vector<sea::Pace> SeaClock::paces() {
@@ -79,8 +86,7 @@ std::optional<sea::TimeUs> SeaClock::wait_us(sea::TimeUs sea_us) {
 
 double SeaClock::hurry() {
     const std::scoped_lock lock(mutex_);
-    const int permille = paces_.fastest_permille(locked_moment().elapsed_us);
-    return std::max(permille, sea::pace_unit) / static_cast<double>(sea::pace_unit);
+    return paces_.hurry(locked_moment().elapsed_us);
 }
 
 sea::TimeUs SeaClock::hurried(sea::TimeUs us) {

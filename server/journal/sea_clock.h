@@ -32,6 +32,8 @@ struct SeaMoment {
     /// How far the time since the epoch is behind what UTC says; ahead of it: negative. Zero, but after the machine's clock was set.
     sea::TimeUs behind_us;
     std::int64_t epoch_utc_us; ///< instant of sea time 0, since 1970-01-01T00:00:00Z
+    /// How far `now_us` is ahead of what the paces say: it stands until they have come there, a pace having been heard of too late.
+    sea::TimeUs ahead_us = 0;
 };
 
 /// "2026-11-22T23:17:09.000250Z", of the years 0 to 9999; others as microseconds.
@@ -50,9 +52,9 @@ class SeaClock {
     explicit SeaClock(std::int64_t epoch_utc_us, Microseconds utc = utc_now_us,
                       Microseconds steady = steady_now_us, sea::Paces paces = {});
 
-    /// From its moment on. Where that is past, sea time stands until the new pace has come to where it is.
+    /// From its moment on. Where that is past, sea time stands until the new pace has come to where it is (SeaMoment::ahead_us).
     void follow(const sea::Pace& pace);
-    /// What would hold from a moment on at this pace.
+    /// What would hold from a moment on at this pace, from where the sea is by then, and has not been beyond.
     sea::Pace next_pace(sea::TimeUs from_us, int permille);
     /// The pace that holds, and those to come.
     std::vector<sea::Pace> paces();

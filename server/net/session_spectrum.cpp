@@ -88,7 +88,7 @@ void Session::spectra_made(std::optional<std::uint32_t> request_id,
         if (has(spectrum->epoch) || (spectrum->ends_epoch != 0 && has(spectrum->ends_epoch)))
             continue;
         spectra_sent_.push_back(spectrum->epoch);
-        if (spectra_sent_.size() > limits::spectra_max)
+        if (spectra_sent_.size() > limits::sea_states_told)
             spectra_sent_.erase(spectra_sent_.begin());
         sent.push_back(spectrum);
     }

@@ -135,7 +135,7 @@ function showServer(metrics, device) {
 }
 
 function showPlan(plan) {
-  at("plan_says").textContent = plan.idle ? "Nobody subscribes: what is computed is what is asked for, as this picture." : "";
+  at("plan_says").textContent = plan.cascades.every(cascade => !cascade.fields.length) ? "Nobody subscribes: what is computed is what is asked for, as this picture." : "";
   const rows = plan.cascades.flatMap((cascade, i) => cascade.effects.map(effect => [
     "cascade " + i + ", " + number(cascade.length_m, 0) + " m", effect.effect,
     number(cascade.keyframes_per_s, 1), number(effect.share_us_per_keyframe, 0),

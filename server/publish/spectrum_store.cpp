@@ -18,7 +18,7 @@ namespace limits = protocol::limits;
 
 /// Seas whose spectra are kept: as many as may be sent at once.
 constexpr std::size_t epochs_kept = limits::spectra_max;
-static_assert(epochs_kept == spectra_of_a_wish_max);
+static_assert(epochs_kept >= finest_spectra_held);
 /// What each message has beside its payload.
 constexpr std::size_t message_head_bytes = 128;
 static_assert(limits::spectrum_bytes_max + limits::spectrum_chunks_max * message_head_bytes <=

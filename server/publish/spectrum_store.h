@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SpectrumStore: the waves of a sea as wire messages, once for each of a few accuracies, kept for as long as the
-// sea is one of the newest four and there is room. What a client wishes for gets the coarsest accuracy that keeps it,
+// sea is one of the newest sixteen and there is room. What a client wishes for gets the coarsest accuracy that keeps it,
 // what is finer than all the finest; 0 the sea's own height_error_m, and the finest slopes.
 //
 // What is kept has its place in a room, and keeps it for as long as somebody still has a message of it to send. Where

@@ -52,17 +52,15 @@ FieldSet offered_fields(const sea::Effects& allowed) {
 }
 
 bool EffectPlan::idle() const {
-    return std::all_of(cascades.begin(), cascades.end(),
+    return !questioned &&
+           std::all_of(cascades.begin(), cascades.end(),
                        [](const CascadePlan& cascade) { return cascade.all().empty(); });
 }
 
-int transforms_for(FieldSet fields) {
+FieldSet transformed_for(FieldSet fields) {
     if (fields.contains(Field::jacobian) || fields.contains(Field::foam))
-        fields |= FieldSet{Field::strain_xx, Field::strain_yy, Field::strain_xy};
-    int linear = 0;
-    for (const Field field : fields)
-        linear += sea::is_linear(field);
-    return linear;
+        fields |= sea::strain_fields;
+    return fields & sea::linear_fields;
 }
 
 EffectPlan plan_effects(FieldSet offered, const Subscriptions& subscriptions,

@@ -51,14 +51,20 @@ struct CascadePlan {
 
 struct EffectPlan {
     std::vector<CascadePlan> cascades;
+    bool questioned = false; ///< keyframes are held that were made for a question
+    /// Nobody asks for anything.
     bool idle() const;
 };
 
 EffectPlan plan_effects(sea::FieldSet offered, const Subscriptions& subscriptions,
                         const sea::ErrorBudget& budget);
 
-/// 2-D transforms of real fields that a set of fields takes; the Jacobian and foam need the
-/// strains.
-int transforms_for(sea::FieldSet fields);
+/// Real fields that are transformed for a set of fields; the Jacobian and foam need the strains.
+sea::FieldSet transformed_for(sea::FieldSet fields);
+
+/// How many: each takes a 2-D transform.
+inline int transforms_for(sea::FieldSet fields) {
+    return transformed_for(fields).size();
+}
 
 } // namespace seaway::server

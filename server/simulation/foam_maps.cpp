@@ -17,9 +17,11 @@ FoamMaps::FoamMaps(SeaCoursePtr course) : course_(std::move(course)), epochs_(co
             {sea.realization->cascades[c].spec.size,
              sea::FoamWalk(sea.foam_law, static_cast<int>(c), sea.budget.cascades[c].interval_us),
              nullptr});
-        histories_.back().walk.follow([followed = course_](sea::TimeUs time_us) {
-            return followed->at(time_us)->foam_law_at(time_us);
-        });
+        histories_.back().walk.follow(
+            [followed = course_](sea::TimeUs time_us) {
+                return followed->at(time_us)->foam_law_at(time_us);
+            },
+            [followed = course_] { return followed->epochs() > 1; });
     }
 }
 
@@ -75,16 +77,19 @@ Result<bool> FoamMaps::walk(KeyframeMaker& device, int cascade, sea::TimeUs time
         const std::optional<sea::TimeUs> next_us = own_history.walk.next_us(time_us);
         return next_us && *next_us <= until_us;
     };
+    own_history.walk.pass_calm(time_us);
     if (!waits())
         return true;
     SEAWAY_TRY(own(own_history, device));
     Undo steps([&own_history] { own_history.walk.restart(); }); // what it counts is not taken yet
     std::vector<FoamTurn> turns;
     std::vector<sea::TimeUs> times_us;
-    for (; static_cast<int>(turns.size()) < ticks_max && waits();) {
-        const sea::FoamStep step = *own_history.walk.next(time_us);
-        turns.push_back({own_history.map.get(), step.tick, {}});
-        times_us.push_back(step.time_us);
+    while (static_cast<int>(turns.size()) < ticks_max && waits()) {
+        const std::optional<sea::FoamStep> step = own_history.walk.next(time_us);
+        if (!step) // a change was added meanwhile, and it is calm
+            break;
+        turns.push_back({own_history.map.get(), step->tick, {}});
+        times_us.push_back(step->time_us);
     }
     std::vector<KeyframeRequest> requests;
     for (std::size_t i = 0; i < turns.size(); ++i)
@@ -99,9 +104,11 @@ Result<FoamTurn> FoamMaps::turn(KeyframeMaker& device, int cascade, sea::TimeUs 
     SEAWAY_CHECK(is_near(cascade, time_us), "a history is walked to before its map is shown");
     History& own_history = history(cascade);
     FoamTurn turn;
+    own_history.walk.pass_calm(time_us);
     if (own_history.walk.next_us(time_us)) {
         SEAWAY_TRY(own(own_history, device));
-        turn.kept = own_history.walk.next(time_us)->tick;
+        if (const std::optional<sea::FoamStep> step = own_history.walk.next(time_us))
+            turn.kept = step->tick;
     }
     if (own_history.map == nullptr)
         SEAWAY_TRY(own(own_history, device));

@@ -83,10 +83,9 @@ Result<bool> KeyframeSource::work_on(KeyframeJob& job) {
     return or_fail(slice(job, budget));
 }
 
-KeyframeRequest KeyframeSource::with_held_fields(KeyframeRequest request) const {
-    if (const sea::KeyframePtr held = store_.held(request))
-        request.fields |= held->fields;
-    return request;
+sea::FieldSet KeyframeSource::fields_of(const KeyframeRequest& request) const {
+    const sea::KeyframePtr held = store_.held(request);
+    return held ? request.fields | held->fields : request.fields;
 }
 
 bool KeyframeSource::walks_foam(const KeyframeRequest& request) const {
@@ -102,9 +101,9 @@ bool KeyframeSource::open_part(KeyframeJob& job) {
     std::int64_t part = 0;
     bool foam = false;
     for (; end < job.wanted_.size(); ++end) {
-        const KeyframeRequest request = with_held_fields(job.wanted_[end]);
+        const KeyframeRequest& request = job.wanted_[end];
         const std::int64_t more =
-            samples(request.cascade) * with_foam_inputs(request.fields).size();
+            samples(request.cascade) * with_foam_inputs(fields_of(request)).size();
         if (end > begin && part + more > samples_per_slice)
             break;
         part += more;
@@ -127,16 +126,15 @@ bool KeyframeSource::open_part(KeyframeJob& job) {
 void KeyframeSource::look_up(KeyframeJob& job, std::size_t begin) {
     job.found_.assign(job.end_ - begin, nullptr);
     for (std::size_t i = begin; i < job.end_; ++i) {
-        const KeyframeRequest& request = job.wanted_[i];
+        KeyframeRequest request = job.wanted_[i];
         sea::KeyframePtr& found = job.found_[i - begin];
         found = store_.find(request);
         if (found)
             continue;
         sea::KeyframePtr held = store_.held(request);
-        if (held && !held->fields.contains(sea::Field::foam))
-            held = nullptr;
-        job.missing_.push_back(
-            {i - begin, with_held_fields(request), std::move(held), foam_time(request)});
+        if (held)
+            request.fields = request.fields.without(held->fields);
+        job.missing_.push_back({i - begin, request, std::move(held), foam_time(request)});
     }
 }
 
@@ -233,19 +231,28 @@ Result<void> KeyframeSource::synthesize_some(KeyframeJob& job, std::int64_t& bud
         return {};
     }
     steps.keep();
-    const auto foam_to = [&](std::size_t keyframe, const sea::Keyframe& from) {
-        sea::copy_map(from, sea::Field::foam, *(*made)[keyframe]);
-    };
     for (const Together::Foam& moved : together.moved)
-        foam_to(moved.keyframe, *(*made)[moved.of]);
+        sea::copy_map(*(*made)[moved.of], sea::Field::foam, *(*made)[moved.keyframe]);
     for (const std::size_t place : together.places) {
-        const KeyframeJob::Missing& request = job.missing_.front();
-        if (request.foam_of)
-            foam_to(place, *request.foam_of);
-        keep(job, request.place, (*made)[place]);
+        const KeyframeJob::Missing& missing = job.missing_.front();
+        const NewKeyframePtr& lacking = (*made)[place];
+        keep(job, missing.place, missing.held ? joined(*missing.held, *lacking) : lacking);
         job.missing_.pop_front();
     }
     return {};
+}
+
+NewKeyframePtr KeyframeSource::joined(const sea::Keyframe& held, const sea::Keyframe& made) const {
+    NewKeyframePtr whole = make_keyframe(joined_);
+    *whole = {made.epoch, made.cascade,  made.time_us,
+              made.size,  made.length_m, held.fields | made.fields};
+    whole->stylised = held.stylised || made.stylised;
+    whole->values =
+        joined_->take(static_cast<std::size_t>(whole->fields.size()) * whole->plane_size());
+    for (const sea::Keyframe* part : {&held, &made})
+        for (const sea::Field field : part->fields)
+            sea::copy_map(*part, field, *whole);
+    return whole;
 }
 
 Result<bool> KeyframeSource::walk_to_next(const KeyframeJob& job, std::int64_t& budget) {

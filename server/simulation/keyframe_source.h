@@ -19,6 +19,7 @@
 
 #include "base/result.h"
 #include "server/device/rebuilt_synthesizer.h"
+#include "server/device/spare_buffers.h"
 #include "server/host/memory.h"
 #include "server/simulation/course_synthesis.h"
 #include "server/simulation/effect_costs.h"
@@ -66,12 +67,10 @@ class KeyframeJob {
     friend class KeyframeSource;
     struct Missing {
         std::size_t place;
-        KeyframeRequest request;  ///< with the fields that are held, so that none is lost
-        sea::KeyframePtr foam_of; ///< a keyframe whose map of foam is taken over, or null
+        KeyframeRequest request; ///< of the fields that are lacking
+        sea::KeyframePtr held;   ///< with fields that are not, which are kept, or null
         sea::TimeUs foam_us; ///< foam_time() when it was looked up: a change may cut it meanwhile
-        bool walks_foam() const {
-            return request.fields.contains(sea::Field::foam) && foam_of == nullptr;
-        }
+        bool walks_foam() const { return request.fields.contains(sea::Field::foam); }
     };
     bool made() const { return open_ && missing_.empty(); }
 
@@ -116,9 +115,14 @@ class KeyframeSource : private KeyframeMaker {
     bool failed() const { return failed_; } ///< any thread
 
     /// Lets go of keyframes that nobody has used since the call before the last one.
-    std::size_t trim() { return store_.trim(); }
+    std::size_t trim() {
+        joined_->clear(); // before more comes from the store, for the next second
+        return store_.trim();
+    }
     /// There is something to trim().
     bool holds_keyframes() const { return store_.counters().keyframes > 0; }
+    /// Of these, some that nobody streams: a question was answered from them within the last seconds. Any thread.
+    bool holds_asked_keyframes() const { return store_.counters().asked > 0; }
 
     /// What is held, with its splines. Any thread.
     KeyframeStore& store() { return store_; }
@@ -135,7 +139,8 @@ class KeyframeSource : private KeyframeMaker {
     Report report() const;
 
   private:
-    KeyframeRequest with_held_fields(KeyframeRequest request) const;
+    /// With those that are held.
+    sea::FieldSet fields_of(const KeyframeRequest& request) const;
     bool walks_foam(const KeyframeRequest& request) const;
     bool open_part(KeyframeJob& job);
     void look_up(KeyframeJob& job, std::size_t begin);
@@ -164,6 +169,8 @@ class KeyframeSource : private KeyframeMaker {
     Result<std::vector<NewKeyframePtr>>
     synthesize_rounded(std::span<const KeyframeRequest> requests);
     Result<void> synthesize_some(KeyframeJob& job, std::int64_t& budget);
+    /// What is held, with what has been made: one keyframe.
+    NewKeyframePtr joined(const sea::Keyframe& held, const sea::Keyframe& made) const;
     void keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe);
     Result<bool> walk(FoamMaps& foam, int cascade, sea::TimeUs time_us, sea::TimeUs until_us,
                       std::int64_t& budget);
@@ -199,6 +206,8 @@ class KeyframeSource : private KeyframeMaker {
     AskedFoam& foam_of(Walk walk) { return walk == Walk::starts ? started_foam_ : asked_foam_; }
     AskedFoam started_foam_;
     AskedFoam asked_foam_;
+    const std::shared_ptr<SpareBuffers> joined_ =
+        std::make_shared<SpareBuffers>(); ///< for joined()
     KeyframeStore store_;
     std::optional<Error> failure_;
     std::atomic<bool> failed_ = false;

@@ -111,6 +111,7 @@ StoreCounters KeyframeStore::counters() const {
     const std::scoped_lock lock(mutex_);
     StoreCounters counters = counters_;
     counters.keyframes = entries_.size();
+    counters.asked = by_recency_.size();
     return counters;
 }
 

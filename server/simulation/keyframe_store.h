@@ -25,6 +25,7 @@ struct StoreCounters {
     std::size_t bytes = 0;
     std::uint64_t hits = 0;
     std::uint64_t misses = 0;
+    std::size_t asked = 0; ///< of the keyframes: those that are not the stream's
 };
 
 class KeyframeStore {

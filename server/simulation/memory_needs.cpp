@@ -70,7 +70,7 @@ MemoryNeeds needs_of(const RunningSea& sea) {
     for (const MemoryUse use :
          {MemoryUse::encoding, MemoryUse::encoded, MemoryUse::streamed, MemoryUse::fetched})
         need(use) = keyframe;
-    need(MemoryUse::spectra) = spectra_of_a_wish_max * spectrum_bytes(sea);
+    need(MemoryUse::spectra) = finest_spectra_held * spectrum_bytes(sea);
     need(MemoryUse::maps) = maps_at_once_max * map_bytes(sea);
     return needs;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "sea/surface/maps/sine_maps.h"
 #include "server/simulation/fetched_seas.h"
 #include "server/simulation/foam_maps.h"
 #include "server/simulation/schedule.h"
@@ -31,6 +32,18 @@ void sort_once(std::vector<TimeUs>& times_us) {
     times_us.erase(std::unique(times_us.begin(), times_us.end()), times_us.end());
 }
 
+/// Stylised waves at one point.
+double stylised_us(const sea::CascadeModes& modes) {
+    double us = 0;
+    for (const sea::SineField& field : modes.sines) {
+        const double one = field.kind == sea::SineKind::sine    ? price_plane_sine_us
+                           : field.kind == sea::SineKind::noise ? price_octave_us
+                                                                : price_sharp_sine_us;
+        us += one * static_cast<double>(sea::sine_terms(field));
+    }
+    return us;
+}
+
 std::vector<TimeUs> times_of(std::span<const sea::QueryPoint> points) {
     std::vector<TimeUs> times_us;
     for (const sea::QueryPoint& point : points)
@@ -43,16 +56,38 @@ std::vector<TimeUs> times_of(std::span<const sea::QueryPoint> points) {
 } // namespace
 
 Prices::Prices(SeaCoursePtr course) : course_(std::move(course)) {
-    FoamMaps foam(course_);
     const RunningSea& sea = *course_->first();
     for (std::size_t c = 0; c < sea.realization->cascades.size(); ++c) {
         const double size = sea.realization->cascades[c].spec.size;
         samples_.push_back(size * size);
         all_samples_ += size * size;
-        foam_start_ticks_.push_back(sea.foam_law ? foam.ticks_to(static_cast<int>(c), 0) : 0);
+        foam_start_ticks_.push_back(0);
+        if (!sea.foam_law)
+            continue;
+        sea::FoamWalk walk(sea.foam_law, static_cast<int>(c), sea.budget.cascades[c].interval_us);
+        walk.follow([&](TimeUs) { return sea.foam_law; });
+        foam_start_ticks_.back() = walk.ticks_to(0);
     }
     prompt_us_ = surface_us(0, [](const KeyframeRequest&) { return Holding::nothing; }) +
                  prompt_points * price_point_us;
+}
+
+double Prices::keyframe_us(const KeyframeRequest& wanted) const {
+    const double one = samples(wanted.cascade);
+    double us = one * with_foam_inputs(wanted.fields).size() * price_sample_us;
+    if (SeaCourse::is_glide(wanted.epoch)) // the waves of the moment, and what they grow by
+        us += 2 * one * price_glide_wave_us;
+    if ((wanted.fields & sea::sine_fields).empty())
+        return us;
+    const RunningSeaPtr held = course_->sea_if_held(wanted.epoch);
+    const sea::Realization& sea = *(held ? held : course_->first())->realization;
+    return us + one * stylised_us(sea.cascades[static_cast<std::size_t>(wanted.cascade)]);
+}
+
+double Prices::foam_start_ticks(int cascade) const {
+    const bool calm =
+        course_->epochs() == 1 && sea::foam_idle(*course_->first()->foam_law, cascade);
+    return calm ? 0 : foam_start_ticks_[static_cast<std::size_t>(cascade)];
 }
 
 double Prices::keyframes_us(std::span<const KeyframeRequest> wanted, const HoldingOf& held) const {
@@ -62,13 +97,11 @@ double Prices::keyframes_us(std::span<const KeyframeRequest> wanted, const Holdi
     for (const KeyframeRequest& request : wanted) {
         if (look(request) != Holding::nothing)
             continue;
-        const double one = samples(request.cascade);
-        us += one * with_foam_inputs(request.fields).size() * price_sample_us;
-        if (SeaCourse::is_glide(request.epoch)) // the waves of the moment, and what they grow by
-            us += 2 * one * price_glide_wave_us;
+        us += keyframe_us(request);
         if (!request.fields.contains(sea::Field::foam))
             continue;
-        double ticks = foam_start_ticks_[static_cast<std::size_t>(request.cascade)];
+        const double one = samples(request.cascade);
+        double ticks = foam_start_ticks(request.cascade);
         if (walked && walked->cascade == request.cascade && walked->time_us <= request.time_us)
             ticks = std::min(ticks, 1.0 + static_cast<double>(request.time_us - walked->time_us) /
                                               static_cast<double>(sea::foam_tick_min_us));
@@ -86,9 +119,7 @@ double Prices::surfaces_us(std::vector<TimeUs> times_us, const HoldingOf& held,
     for (const KeyframeRequest& request : expected_around(times_us, {cascades, fields})) {
         const double one = samples(request.cascade) * fields.size();
         const Holding holding = look(request);
-        us += holding == Holding::nothing ? one * price_sample_us : 0;
-        if (holding == Holding::nothing && SeaCourse::is_glide(request.epoch))
-            us += 2 * samples(request.cascade) * price_glide_wave_us;
+        us += holding == Holding::nothing ? keyframe_us(request) : 0;
         us += holding != Holding::spline ? one * price_spline_sample_us : 0;
     }
     return us;

@@ -4,7 +4,7 @@
 // requests are priced; what they then take is measured, and settled with their asker (account.h). Pricing makes nothing.
 //
 // Units were measured with tests/load/load_costs on the north_sea_gale scene, two cores, AVX2
-// (docs/performance.md has the table). Values; Prices is immutable and thread-safe.
+// (docs/performance/load.md has the table). Values; Prices is immutable and thread-safe.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,11 @@ namespace seaway::server {
 inline constexpr double price_sample_us = 0.0004;        ///< one sample of one field of a keyframe
 inline constexpr double price_spline_sample_us = 0.0034; ///< one sample of one field of a spline
 inline constexpr double price_foam_sample_us = 0.004;    ///< one sample of a tick, strains included
-inline constexpr double price_point_us = 2.2;            ///< one answer from splines that are there
+inline constexpr double price_plane_sine_us =
+    0.005; ///< one stylised wave at one point of a keyframe: plain
+inline constexpr double price_sharp_sine_us = 0.1;     ///< exponential
+inline constexpr double price_octave_us = 0.03;        ///< of noise
+inline constexpr double price_point_us = 2.2;          ///< one answer from splines that are there
 inline constexpr double price_exact_wave_us = 0.00018; ///< one grid point of the sea, for one point
 inline constexpr double price_moment_wave_us = 0.00025; ///< one grid point of the sea, for one time
 inline constexpr double price_below_wave_us = 0.0012;   ///< likewise, for the water below one point
@@ -75,8 +79,12 @@ class Prices {
                                                  const Demand& demand) const;
 
     const SeaCoursePtr course_;
+    /// One keyframe that is not held, but for the ticks of its foam.
+    double keyframe_us(const KeyframeRequest& wanted) const;
+    double foam_start_ticks(int cascade) const;
+
     std::vector<double> samples_;       ///< of one field, a cascade
-    std::vector<int> foam_start_ticks_; ///< a cascade; 0: no foam
+    std::vector<int> foam_start_ticks_; ///< a cascade that makes waves break; 0: no foam
     double all_samples_ = 0;
     double prompt_us_ = 0;
 };

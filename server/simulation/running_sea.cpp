@@ -136,11 +136,10 @@ Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, s
         SeaGlide{std::move(change), from.choppiness_at(start_us),
                  from.glides_at(start_us) ? sea::summarize(from.scene.sea, *then).realised
                                           : from.summary.realised,
-                 0.0, 0.0, nullptr});
+                 0.0, nullptr});
     const sea::FoamLawPtr foam = from.foam_law_at(start_us);
     if (foam && to.foam_law) {
         glide->foam_mean = from.foam_mean_at(start_us);
-        glide->foam_threshold = foam->threshold;
         glide->foam = std::make_shared<const sea::FoamGlide>(glide->change, foam, to.foam_law);
     }
     const sea::RealizationPtr envelope = glide->change.envelope();

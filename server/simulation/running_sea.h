@@ -25,10 +25,9 @@ namespace seaway::server {
 /// On the way to a sea.
 struct SeaGlide {
     sea::SeaTransition change;
-    sea::Choppiness choppiness;  ///< that it began with
-    sea::SeaStatistics realised; ///< likewise
-    double foam_mean = 0;        ///< likewise
-    double foam_threshold = 0;
+    sea::Choppiness choppiness;                 ///< that it began with
+    sea::SeaStatistics realised;                ///< likewise
+    double foam_mean = 0;                       ///< likewise
     std::shared_ptr<const sea::FoamGlide> foam; ///< null where the scene allows no foam
 };
 

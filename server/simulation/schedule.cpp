@@ -102,8 +102,8 @@ std::optional<Schedule::Place> Schedule::next_of_following(const Stream& stream,
     const EpochWindow window = course_.window(stream.main.sea->epoch);
     if (window.end_us == std::numeric_limits<TimeUs>::max())
         return std::nullopt;
-    // One that another has taken over from before it began has no end of its own.
-    const TimeUs from_us = window.empty() ? stream.main.time_us : window.end_us;
+    // Of one that another has taken over from before it began that is before its own start: rare streams are ahead of it.
+    const TimeUs from_us = window.end_us;
     const std::uint32_t epoch = course_.window_at(from_us).epoch;
     if (stream.following && stream.following->sea->epoch == epoch) {
         const Place& last = *stream.following;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "sea/surface/budget/error_budget.h"
+#include "sea/surface/budget/spending.h"
 #include "server/device/synthesizer.h"
 #include "server/host/subscriptions.h"
 #include "server/simulation/effect_plan.h"
@@ -25,8 +26,7 @@
 
 namespace seaway::server {
 
-/// A keyframe is published this long before its interval begins, so that it is decoded in time.
-inline constexpr sea::TimeUs publish_lead_us = 250'000;
+using sea::publish_lead_us;
 /// A keyframe that is later than this is left out for a newer one.
 inline constexpr sea::TimeUs catch_up_us = 500'000;
 

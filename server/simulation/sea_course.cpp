@@ -355,6 +355,19 @@ int SeaCourse::glides_in_row(TimeUs time_us) const {
     return glides;
 }
 
+std::vector<std::uint32_t> SeaCourse::origins(std::uint32_t epoch) const {
+    std::vector<std::uint32_t> found;
+    const std::scoped_lock lock(mutex_);
+    for (bool glides = epochs_[epoch - 1].glides; glides;) {
+        const Epoch& glide = epochs_[epoch - 1];
+        const TimeUs start_us = glide.start_us;
+        epoch = epoch_at(start_us - 1, 2 * glide.change - 1);
+        found.push_back(epoch);
+        glides = epochs_[epoch - 1].glides && epochs_[epoch].start_us > start_us;
+    }
+    return found;
+}
+
 std::uint32_t SeaCourse::epochs() const {
     const std::scoped_lock lock(mutex_);
     return static_cast<std::uint32_t>(epochs_.size());

@@ -94,6 +94,10 @@ class SeaCourse {
     /// How many glides hang together at this time, each having taken over from the one before; 0: the sea is steady.
     int glides_in_row(sea::TimeUs time_us) const;
 
+    /// What a sea glides from, and that from, the nearest first; of one that has ended its glide that is enough, whatever it
+    /// came from. None of a steady sea.
+    std::vector<std::uint32_t> origins(std::uint32_t epoch) const;
+
     /// The scene that the sea of this time is, or glides to.
     sea::Scene scene_at(sea::TimeUs time_us) const;
 

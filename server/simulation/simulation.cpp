@@ -83,6 +83,12 @@ EffectPlan Simulation::plan(TimeUs now_us) const {
     return plan_effects(sea->offered, subscriptions_, sea->budget);
 }
 
+EffectPlan Simulation::plan() const {
+    EffectPlan now = plan(clock_.now());
+    now.questioned = source_.holds_asked_keyframes();
+    return now;
+}
+
 void Simulation::run() {
     while (!stopping_ && !source_.failure()) {
         try {

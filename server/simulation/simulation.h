@@ -167,7 +167,7 @@ class Simulation {
     }
     void settle(const Asker& asker, double left_us) { questions_.settle(asker, left_us); }
 
-    EffectPlan plan() const { return plan(clock_.now()); }
+    EffectPlan plan() const;
     SimulationCounters counters() const;
     EffectCosts costs() const { return source_.report().costs; }
     std::string device() const { return source_.report().device; }

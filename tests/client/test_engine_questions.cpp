@@ -297,6 +297,45 @@ TEST_F(Foam, of_another_time_is_told_of_and_takes_nothing_from_the_heights) {
     EXPECT_EQ(look(&flat), late | stale);
 }
 
+/// Half a minute of a minute's glide is over, from a tenth that is white to a fifth.
+class FoamThatGrows : public FoamAlone {
+  public:
+    const sea::TimeUs begun_us = sea_time_us() - 30'000'000;
+    std::vector<server::SharedBytes> sea_state_messages() const override {
+        protocol::SeaStateValues state = protocol::values(
+            *wire::GetMessage(WaveSea::sea_state_messages().back()->data())->body_as_SeaState());
+        state.start_time_us = begun_us;
+        state.foam_mean = 0.2;
+        state.glide = protocol::GlideValues{.end_us = begun_us + 60'000'000, .foam_mean = 0.1};
+        return {std::make_shared<const protocol::Bytes>(protocol::sea_state(state))};
+    }
+};
+
+// docs/protocol.md, "Changes": x^3 (10 - 15 x + 6 x^2) of the way with x the share of the time.
+TEST(FoamMaps, tell_the_mean_that_they_are_ratios_to_while_it_changes) {
+    FoamThatGrows sea;
+    const auto net = tests::serve(sea);
+    Sea client(net->url());
+    seaway_wish alone = SEAWAY_SIZED(seaway_wish);
+    alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
+    ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
+        << seaway_last_error();
+    seaway_map_wish wish = SEAWAY_SIZED(seaway_map_wish);
+    wish.time_us = client.now_us();
+    wish.channels = 1;
+    wish.field[0] = SEAWAY_FOAM;
+    seaway_map map = SEAWAY_SIZED(seaway_map);
+    ASSERT_EQ(seaway_get_map(client.handle(), &wish, nullptr, 0, &map), SEAWAY_OK)
+        << seaway_last_error();
+    const double x = static_cast<double>(wish.time_us - sea.begun_us) / 60e6;
+    EXPECT_NEAR(map.foam_mean, 0.1 + 0.1 * x * x * x * (10 - 15 * x + 6 * x * x), 1e-12);
+    // A program of the header before has no room for it, and nothing is written there.
+    map.size = offsetof(seaway_map, foam_mean);
+    map.foam_mean = 77;
+    ASSERT_EQ(seaway_get_map(client.handle(), &wish, nullptr, 0, &map), SEAWAY_OK);
+    EXPECT_EQ(map.foam_mean, 77);
+}
+
 TEST_F(Engine, says_what_a_time_would_be_answered_from_and_why) {
     Sea client(net->url());
     seaway_source source = SEAWAY_SIZED(seaway_source);

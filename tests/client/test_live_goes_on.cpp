@@ -16,6 +16,7 @@
 #include "client/seaway.h"
 #include "client/staleness.h"
 #include "sea/basics/glide.h"
+#include "tests/client/announced_scene.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/fault_proxy.h"
 
@@ -179,6 +180,34 @@ TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
                status.state == SEAWAY_CONNECTED;
     }));
     EXPECT_EQ(told.calls(), calls) << "nobody is told any more";
+    seaway_disconnect(client);
+}
+
+/// Sends the scene that it is made of.
+class WindySea : public tests::WaveSea {
+    std::vector<server::SharedBytes> sea_state_messages() const override {
+        return {std::make_shared<const protocol::Bytes>(protocol::sea_state(tests::announced()))};
+    }
+};
+
+// Naive: what is held is looked at where a connection ticks, and none does any more.
+TEST(LiveStopped, a_sea_that_is_rebuilt_when_the_server_has_gone_for_good_is_told_of) {
+    WindySea sea;
+    const auto net = tests::serve(sea);
+    seaway_connect_options options{};
+    options.stays_lost = 1;
+    seaway_client* client = nullptr;
+    ASSERT_EQ(seaway_connect(net->url().c_str(), &options, &client), SEAWAY_OK)
+        << seaway_last_error();
+    Told told;
+    ASSERT_EQ(seaway_watch_status(client, Told::take, &told), SEAWAY_OK);
+    net->stop();
+    ASSERT_TRUE(eventually([&] { return told.of(SEAWAY_STOPPED); }));
+    const std::size_t calls = told.calls();
+    for (int i = 0; i < 2; ++i)
+        ASSERT_EQ(seaway_rebuild(client, seaway_now_us(client)), SEAWAY_OK) << seaway_last_error();
+    EXPECT_EQ(told.calls(), calls + 1) << "and once: the second one is nothing new";
+    EXPECT_EQ(told.all.back().holds, static_cast<uint32_t>(SEAWAY_HOLDS_WAVES));
     seaway_disconnect(client);
 }
 

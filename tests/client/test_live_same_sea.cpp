@@ -132,6 +132,47 @@ TEST_F(LiveSameSea, a_server_in_doubt_tells_of_the_pace_that_holds_now) {
     EXPECT_EQ((*client)->status().seas, 1) << (*client)->status().reason;
 }
 
+// Naive: now never goes back, so who missed a pause, or that the sea slowed down, stands until the sea has come to where it has
+// run on: for the whole of the pause.
+TEST_F(LiveSameSea, a_pace_that_was_missed_does_not_keep_a_client_in_another_time) {
+    for (const int missed_permille : {0, int{sea::pace_unit}}) {
+        sea.told_pace = {};
+        const auto client = Client::connect({.url = url});
+        ASSERT_TRUE(client) << client.error().message;
+        const int connections = (*client)->status().connections;
+        const sea::TimeUs from_us = sea.sea_time_us();
+        net->announce(std::make_shared<const protocol::Bytes>(
+            protocol::pace(sea::Pace{from_us, from_us, sea::pace_permille_max})));
+        // Shown ahead of where the sea will be for two seconds.
+        ASSERT_TRUE(eventually([&] { return (*client)->now_us() > from_us + 2'500'000; }));
+        const sea::Pace pace{from_us + 1, from_us + 10, missed_permille};
+        sea.told_pace = pace;
+        line->cut();
+        ASSERT_TRUE(eventually([&] { return (*client)->status().connections > connections; }));
+        EXPECT_TRUE(eventually([&] { return (*client)->status().seas == 2; }));
+        const sea::TimeUs before_us = pace.sea_time(sea.sea_time_us());
+        const sea::TimeUs now_us = (*client)->now_us();
+        EXPECT_GE(now_us, before_us - 50'000) << "of the clocks' errors";
+        EXPECT_LE(now_us, pace.sea_time(sea.sea_time_us()) + 50'000);
+    }
+}
+
+// A quarter of a second is waited for: time goes on, and what is held counts.
+TEST_F(LiveSameSea, a_pace_that_was_heard_of_a_little_late_does_not_put_time_back) {
+    const auto client = Client::connect({.url = url});
+    ASSERT_TRUE(client) << client.error().message;
+    sea::TimeUs shown_us = (*client)->now_us();
+    const sea::TimeUs from_us = sea.sea_time_us() - 500'000;
+    net->announce(std::make_shared<const protocol::Bytes>(
+        protocol::pace(sea::Pace{from_us, from_us, sea::pace_unit / 2})));
+    EXPECT_TRUE(eventually([&] {
+        const sea::TimeUs now_us = (*client)->now_us();
+        EXPECT_GE(now_us, std::exchange(shown_us, now_us));
+        return now_us > from_us + 700'000;
+    }));
+    EXPECT_EQ((*client)->status().seas, 1);
+}
+
 // Naive: its sea stands for ever, while that of everybody else goes on.
 TEST_F(LiveSameSea, a_server_that_does_not_know_of_a_pause_has_another_sea) {
     const auto client = Client::connect({.url = url});

@@ -9,6 +9,8 @@
 
 #include "client/client.h"
 #include "client/link/failure.h"
+#include "client/seaway.hpp"
+#include "client/seaway_engine.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/fault_proxy.h"
 
@@ -92,6 +94,68 @@ TEST(Subscribing, what_began_too_late_is_asked_for_again_as_any_other) {
     }));
     EXPECT_TRUE(eventually([&] { return sea.subscriptions().size() == 1; }));
     EXPECT_EQ(sea.wished_error_m, 0.5f);
+}
+
+TEST(Subscribing, that_was_not_answered_in_time_may_begin_and_is_ended_as_any_other) {
+    SlowTiles sea;
+    const auto net = tests::serve(sea);
+    Sea client(net->url());
+    sea.held_back = true;
+    seaway_subscription impatient{};
+    impatient.timeout_s = 0.3;
+    ASSERT_EQ(seaway_subscribe(client.handle(), &impatient), SEAWAY_DEADLINE);
+    seaway_grant grant = SEAWAY_SIZED(seaway_grant);
+    const auto granted = [&] { return seaway_get_grant(client.handle(), &grant); };
+    EXPECT_TRUE(eventually([&] { return granted() == SEAWAY_OK; })) << "it has begun";
+    sea.let_go();
+    client.unsubscribe();
+    EXPECT_TRUE(eventually([&] { return sea.subscriptions().size() == 0; }));
+    EXPECT_EQ(granted(), SEAWAY_NOT_HELD);
+}
+
+/// It grants, and has no room for what a subscription begins with.
+class FullOfKeyframes : public tests::WaveSea {
+  public:
+    void fetch(server::FetchRequest, Fetched done) override {
+        done(Error{server::Refusal::busy, "no room for keyframes"});
+    }
+};
+
+TEST(Subscribing, where_the_first_keyframes_are_refused_is_granted_and_holds_nothing_yet) {
+    FullOfKeyframes sea;
+    const auto net = tests::serve(sea);
+    Sea client(net->url());
+    client.subscribe();
+    EXPECT_EQ(client.status().holds, 0u);
+    const seaway_point here{0, 0, client.now_us()};
+    seaway_answer water{};
+    EXPECT_EQ(seaway_sample(client.handle(), &here, 1, &water), SEAWAY_NOT_HELD);
+}
+
+// Naive: who wants the long waves alone holds nothing for ever.
+TEST(Subscribing, to_some_cascades_holds_the_present_when_these_do) {
+    tests::WaveSea sea;
+    const auto net = tests::serve(sea);
+    Sea client(net->url());
+    seaway_wish wish = SEAWAY_SIZED(seaway_wish);
+    wish.cascades = 1;
+    ASSERT_EQ(seaway_subscribe_to(client.handle(), &wish, nullptr), SEAWAY_OK)
+        << seaway_last_error();
+    const seaway_status some = client.status();
+    EXPECT_EQ(some.holds, static_cast<std::uint32_t>(SEAWAY_HOLDS_TILES));
+    EXPECT_LT(some.held_from_us, some.held_until_us);
+    // Of what is held, and of nothing else, that is said.
+    seaway_looking looking = SEAWAY_SIZED(seaway_looking);
+    looking.cascades = 1;
+    seaway_sampling how = SEAWAY_SIZED(seaway_sampling);
+    how.looking = &looking;
+    const seaway_point here{0, 0, some.held_from_us};
+    seaway_answer water{};
+    EXPECT_EQ(seaway_sample_as(client.handle(), &how, &here, 1, &water), SEAWAY_OK)
+        << seaway_last_error();
+    EXPECT_EQ(water.flags & SEAWAY_EXTRAPOLATED, 0u);
+    client.unsubscribe();
+    EXPECT_EQ(client.status().holds, 0u) << "all count where nothing is subscribed to";
 }
 
 } // namespace

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <sstream>
+#include <utility>
 #include <variant>
 
 #include <gtest/gtest.h>
@@ -197,6 +199,23 @@ TEST(QueryRun, a_watch_goes_on_with_the_next_beat_however_often_it_has_tried) {
     EXPECT_EQ(next_beat_s(0.5, 2), 1.0);
     EXPECT_EQ(next_beat_s(61.3, 1), 62.0);
     EXPECT_EQ(next_beat_s(61.3, 0.1), 70.0);
+}
+
+// Naive: the same places at the time at which it began, so that each call finds what the one before has put into some memory.
+TEST(QueryRun, a_bench_asks_about_other_places_and_about_now_in_each_call) {
+    constexpr int calls = 10, points_each = 7;
+    BenchPoints drawn(points_each);
+    std::set<sea::TimeUs> times_us;
+    std::set<std::pair<double, double>> places;
+    for (int call = 1; call <= calls; ++call)
+        for (const sea::QueryPoint& point : drawn.next(1000 * call)) {
+            EXPECT_EQ(point.time_us, 1000 * call);
+            times_us.insert(point.time_us);
+            places.insert({point.x_m, point.y_m});
+            EXPECT_LE(std::max(std::abs(point.x_m), std::abs(point.y_m)), 10e3);
+        }
+    EXPECT_EQ(times_us.size(), std::size_t{calls});
+    EXPECT_EQ(places.size(), std::size_t{calls * points_each});
 }
 
 TEST(QueryOptions, each_goes_where_it_says_and_has_its_default) {

@@ -236,6 +236,30 @@ TEST_F(Threadless, tells_of_an_attempt_that_leads_nowhere_and_can_be_left_in_the
         << "there is nobody to ask";
 }
 
+// Naive: an attempt that is given up says goodbye, and a peer that says nothing is waited for, for a second. Half of that is enough for
+// whatever else a busy machine does within a poll.
+TEST_F(Threadless, waits_in_no_poll_for_a_peer_that_shakes_hands_and_says_nothing) {
+    FaultProxy line(net->port());
+    seaway_connect_options brief = options();
+    brief.timeout_s = 1;
+    const Sea client("ws://127.0.0.1:" + std::to_string(line.port()), brief);
+    line.cut();
+    ASSERT_TRUE(in_frames(client, [&] { return client.status().state == SEAWAY_WAITING; }));
+    sea.late_ms = 4'000; // its welcome has a time, and its thread waits for that
+    using std::chrono::steady_clock;
+    steady_clock::duration longest{0};
+    const auto until = steady_clock::now() + std::chrono::seconds(20);
+    while (std::string(client.status().reason).find("sends no welcome") == std::string::npos) {
+        const auto begun = steady_clock::now();
+        ASSERT_LT(begun, until) << client.status().reason;
+        poll(client);
+        longest = std::max(longest, steady_clock::now() - begun);
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    EXPECT_LT(longest, std::chrono::milliseconds(500));
+    sea.late_ms = 0;
+}
+
 TEST_F(Threadless, that_is_polled_rarely_says_that_it_is_stale_and_is_right) {
     FaultProxy line(net->port());
     Sea client("ws://127.0.0.1:" + std::to_string(line.port()), options());

@@ -179,6 +179,8 @@ class WaveSea : public server::Host {
             request.times_us = {sea_time_us(), sea_time_us() + wave_intervals_us[0]};
         std::vector<server::KeyframeTiles> out;
         for (int cascade = 0; cascade < 2; ++cascade) {
+            if (!request.demand.wants(cascade))
+                continue;
             const sea::TimeUs interval_us = wave_intervals_us[cascade];
             std::set<std::int64_t> wanted;
             for (const sea::TimeUs time_us : request.times_us) {

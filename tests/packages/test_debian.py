@@ -84,7 +84,10 @@ class Packages(unittest.TestCase):
             said("dpkg-deb", "-I", self.files["libseaway0"], "shlibs"))
         found = subprocess.run(["dpkg-shlibdeps", "-O", f"-L{shlibs}", f"-l{next(library.glob('*/'))}", "-e", BUILD / "bin/example_buoy"],
                                cwd=folder / "other", capture_output=True, text=True)
-        self.assertIn(f"libseaway0 (>= {self.field('libseaway0', 'Version').split('-')[0]})", found.stdout, found.stderr)
+        version = self.field("libseaway0", "Version").split("-")[0]
+        major, minor, _ = (int(number) for number in version.split("."))
+        for needed in (f"(>= {version})", f"(<< {major}.{minor + 1}~)"):  # before 1.0 the next minor version is another interface
+            self.assertIn(f"libseaway0 {needed}", found.stdout, found.stderr)
         self.assertEqual(said("dpkg-deb", "-I", self.files["libseaway0"], "triggers"), "activate-noawait ldconfig\n")
 
     def unpacked(self, package):

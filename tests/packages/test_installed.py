@@ -6,6 +6,7 @@
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,8 @@ project(other LANGUAGES C)
 find_package(seaway 0.1 REQUIRED)
 add_executable(height height.c)
 target_link_libraries(height PRIVATE seaway::seaway)
+add_executable(buoy buoy.c)
+target_link_libraries(buoy PRIVATE seaway::seaway)
 """
 
 
@@ -65,11 +68,25 @@ class Installed(unittest.TestCase):
     def test_cmake_finds_it_in_any_prefix_and_refuses_another_minor_version(self):
         (self.work / "CMakeLists.txt").write_text(FIND_PACKAGE)
         (self.work / "height.c").write_text(self.program)
+        shutil.copy(ROOT / "examples/buoy.c", self.work)  # of buoyancy.h, which calls libm
         say = ["cmake", "-S", self.work, "-B", self.work / "build", f"-DCMAKE_PREFIX_PATH={self.prefix}"]
         said(*say)
         said("cmake", "--build", self.work / "build")
         (self.work / "CMakeLists.txt").write_text(FIND_PACKAGE.replace("0.1", "0.2"))
         self.assertNotEqual(subprocess.run(say, capture_output=True).returncode, 0)
+
+    def test_pkg_config_has_all_that_an_example_in_c_is_linked_with(self):
+        command, = re.findall(r"^ \*     (cc .*)$", (ROOT / "examples/buoy.c").read_text(), re.M)
+        folder, = self.prefix.rglob("pkgconfig")
+        said("sh", "-c", command, cwd=shutil.copytree(ROOT / "examples", self.work / "examples"),
+             env={**os.environ, "PKG_CONFIG_PATH": str(folder)})
+
+    def test_a_32_bit_program_is_told_in_words(self):
+        # Freestanding: the machine needs no 32-bit C library for it.
+        told = subprocess.run(["cc", "-m32", "-ffreestanding", "-fsyntax-only", "-x", "c", f"-I{self.prefix}/include", "-"],
+                              input="#include <seaway/seaway.h>\n", capture_output=True, text=True)
+        self.assertNotEqual(told.returncode, 0)
+        self.assertIn("is for 64 bit", told.stderr)
 
     def test_headers_are_c99_and_cpp17_without_this_repository(self):
         for compiler, standard, header in (("cc", "c99", "seaway.h"), ("cc", "c99", "buoyancy.h"),

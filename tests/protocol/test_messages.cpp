@@ -57,10 +57,11 @@ TEST(Messages, server_messages_read_back_as_they_were_written) {
     EXPECT_EQ(sea_state(back), sample(Body::SeaState));
     EXPECT_EQ(back.cascades[1].interval_us, 200'000);
     SeaStateValues placed = back;
-    placed.cascades[1].placed_alone = true;
+    placed.cascades[1].placed_alone = placed.cascades[0].stylised = true;
     const Bytes told = sea_state(placed);
-    EXPECT_TRUE(values(*read(reader, told)->body_as_SeaState()).cascades[1].placed_alone);
-    EXPECT_FALSE(back.cascades[1].placed_alone);
+    const SeaStateValues heard = values(*read(reader, told)->body_as_SeaState());
+    EXPECT_TRUE(heard.cascades[1].placed_alone && heard.cascades[0].stylised);
+    EXPECT_FALSE(heard.cascades[0].placed_alone || heard.cascades[1].stylised);
     EXPECT_EQ(back.realised.mean_from_deg, 225);
     EXPECT_EQ(back.warnings.size(), 2u);
     EXPECT_EQ(back.probes, some_state().probes);

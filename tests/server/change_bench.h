@@ -2,8 +2,10 @@
 // A server whose sea an administrator changes, and who he is.
 #pragma once
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,6 +71,24 @@ inline double number(const std::string& json, const std::string& key) {
     const std::size_t at = json.find("\"" + key + "\": ");
     EXPECT_NE(at, std::string::npos) << json;
     return at == std::string::npos ? 0 : std::stod(json.substr(at + key.size() + 4));
+}
+
+/// The client's own answers are the exact ones of the server, and never those of keyframes. All waves are there: of
+/// 0.008 m, on a slope.
+inline void expect_right(client::Client& client, std::span<const sea::QueryPoint> points,
+                         double error_m_max = 0.015) {
+    const auto own = client.sample(points);
+    ASSERT_TRUE(own) << own.error().message;
+    const auto exact = client.ask(points, {.exact = true, .timeout_s = 60});
+    ASSERT_TRUE(exact) << exact.error().message;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if ((*own)[i].flags & sea::answer_folded)
+            continue;
+        EXPECT_LE(std::abs((*own)[i].height_m - (*exact)[i].height_m),
+                  (*own)[i].error_m + (*exact)[i].error_m)
+            << points[i].time_us;
+        EXPECT_LE((*own)[i].error_m, error_m_max) << points[i].time_us;
+    }
 }
 
 } // namespace seaway::changes

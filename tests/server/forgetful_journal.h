@@ -37,6 +37,7 @@ class ForgetfulJournal final : public Journal {
     std::atomic<int> appends_fail = 0;       ///< behind the write
     std::optional<JournalError> refuses;     ///< each append
     std::atomic<int> appends_take_ms = 0;
+    std::atomic<std::int64_t> spread = 3'000'000; ///< 0: it is of this server alone
 
     const std::string& name() const override { return name_; }
     std::int64_t epoch_utc_us() const override { return 0; }
@@ -62,7 +63,7 @@ class ForgetfulJournal final : public Journal {
         standing.last_epoch = static_cast<std::uint32_t>(changes_.size());
         return standing;
     }
-    std::int64_t spread_us() const override { return 3'000'000; }
+    std::int64_t spread_us() const override { return spread; }
     void compare_clocks(std::function<std::int64_t()>) override {}
     void connect_no_more() override {}
     void call_on_change(std::function<void()> call) override {

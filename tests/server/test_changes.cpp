@@ -17,7 +17,6 @@
 #include "sea/scene/scene.h"
 #include "server/journal/sea_clock.h"
 #include "server/journal/sqlite_journal.h"
-#include "server/simulation/sea_course.h"
 #include "tests/server/change_bench.h"
 
 namespace seaway::changes {
@@ -25,7 +24,6 @@ namespace {
 
 using client::Client;
 using sea::TimeUs;
-using server::takeovers_max;
 
 /// What a client saw at one place, 50 times a second.
 struct Watched {
@@ -110,24 +108,6 @@ TEST(Changes, a_client_that_samples_sees_a_storm_come_without_a_jump_and_right_t
             continue;
         EXPECT_NEAR((*fetched)[i].height_m, sampled[i].height_m,
                     (*fetched)[i].error_m + sampled[i].error_m);
-    }
-}
-
-/// The client's own answers are the exact ones of the server, and never those of keyframes. All waves are there: of
-/// 0.008 m, on a slope.
-void expect_right(Client& client, std::span<const sea::QueryPoint> points,
-                  double error_m_max = 0.015) {
-    const auto own = client.sample(points);
-    ASSERT_TRUE(own) << own.error().message;
-    const auto exact = client.ask(points, {.exact = true, .timeout_s = 60});
-    ASSERT_TRUE(exact) << exact.error().message;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if ((*own)[i].flags & sea::answer_folded)
-            continue;
-        EXPECT_LE(std::abs((*own)[i].height_m - (*exact)[i].height_m),
-                  (*own)[i].error_m + (*exact)[i].error_m)
-            << points[i].time_us;
-        EXPECT_LE((*own)[i].error_m, error_m_max) << points[i].time_us;
     }
 }
 
@@ -307,25 +287,6 @@ TEST(Changes, more_than_a_few_that_have_not_begun_are_refused_until_one_has) {
     EXPECT_EQ(said.code, 0) << said.words;
     // One that is far off keeps no place.
     EXPECT_EQ(ctl(url, {"set", "sea.depth_m=30", "--at", "5000"}).code, 0);
-}
-
-// Naive: a sea that glides is a mixture of all that it glided from, without end, each to be made when a client asks about it.
-TEST(Changes, that_take_over_from_one_another_are_refused_where_too_many_hang_together) {
-    tests::ServerProcess server(arguments(tests::folder().file("row")));
-    const std::string url = server.wait_until_ready();
-    ASSERT_FALSE(url.empty()) << server.log();
-    const auto set = [&](int at_s) {
-        return ctl(url, {"set", fmt::format("systems.0.from_deg={}", at_s % 360), "--over", "600s",
-                         "--at", std::to_string(at_s)});
-    };
-    for (int i = 0; i <= takeovers_max; ++i) {
-        const Said said = set(1000 + 10 * i);
-        ASSERT_EQ(said.code, 0) << i << said.words;
-    }
-    const Said said = set(1000 + 10 * takeovers_max + 10);
-    EXPECT_EQ(said.code, 6) << said.words;
-    EXPECT_NE(said.words.find("in a row have taken over"), std::string::npos) << said.words;
-    EXPECT_EQ(set(5000).code, 0) << "they have ended by then";
 }
 
 TEST(Changes, strangers_change_nothing_and_end_nobodys_session) {

@@ -57,6 +57,11 @@ TEST(Following, each_doubt_has_its_kind) {
     Following following = certain();
     following.late = true;
     EXPECT_EQ(following.kind_of_doubt(), Doubt::behind);
+    following.ahead_us = ahead_us_max;
+    EXPECT_EQ(following.kind_of_doubt(), Doubt::behind);
+    ++following.ahead_us;
+    EXPECT_EQ(following.kind_of_doubt(), Doubt::ahead);
+    following.ahead_us = 0;
     following.journal.peers = {.peers = 2, .judges = 2, .ahead_us = 11'000, .error_us = 500};
     EXPECT_EQ(following.kind_of_doubt(), Doubt::clock) << "11 ms at 1 m/s, of 10 mm";
     following.journal.peers.judges = 1;

@@ -52,6 +52,18 @@ over_s = 600.0
 set.sea.depth_m = 8.0
 )";
 
+/// What seaway-query says, which must end well.
+nlohmann::json answers_of(const std::string& url, const std::string& how) {
+    std::FILE* pipe =
+        popen((SEAWAY_BIN_DIR "/seaway-query " + url + " --format json " + how).c_str(), "r");
+    std::string text;
+    char buffer[4096];
+    for (std::size_t got; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;)
+        text.append(buffer, got);
+    EXPECT_EQ(pclose(pipe), 0) << how;
+    return nlohmann::json::parse(text, nullptr, false);
+}
+
 class OtherSeas : public testing::Test {
   protected:
     tests::ServerProcess server{natively("four_seas.toml", four_seas)};
@@ -62,17 +74,7 @@ class OtherSeas : public testing::Test {
         ASSERT_FALSE(url.empty()) << server.log();
     }
 
-    /// What seaway-query says, which must end well.
-    nlohmann::json answers(const std::string& how) const {
-        std::FILE* pipe =
-            popen((SEAWAY_BIN_DIR "/seaway-query " + url + " --format json " + how).c_str(), "r");
-        std::string text;
-        char buffer[4096];
-        for (std::size_t got; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;)
-            text.append(buffer, got);
-        EXPECT_EQ(pclose(pipe), 0) << how;
-        return nlohmann::json::parse(text, nullptr, false);
-    }
+    nlohmann::json answers(const std::string& how) const { return answers_of(url, how); }
 };
 
 // Naive: a program that has connected a moment ago takes the sea of now for that of any time, and its waves have their bound there;
@@ -208,6 +210,18 @@ TEST(RowsWithoutPauses, leave_who_has_waves_with_waves_and_newcomers_too) {
         EXPECT_TRUE(client->status().holds_waves);
         std::this_thread::sleep_for(std::chrono::milliseconds(700));
     }
+}
+
+// Naive: what cannot be made of the scene of now ends the program, though its tiles answer.
+TEST(GlidingNow, who_asks_from_the_scene_is_answered_from_tiles) {
+    std::string scene = four_seas;
+    scene.replace(scene.find("at_s = -100.0\nover_s = 20.0"), 27, "at_s = -100.0\nover_s = 900.0");
+    tests::ServerProcess server(natively("gliding_now.toml", scene));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    const nlohmann::json now = answers_of(url, "--local --from scene --at 3,4");
+    ASSERT_EQ(now.size(), 1u);
+    EXPECT_EQ(now[0]["flags"], 0);
 }
 
 // Naive: what was missed stays doubtful, whatever the server says of it when it is asked.

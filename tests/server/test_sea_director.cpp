@@ -14,10 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
+#include "protocol/messages.h"
 #include "sea/scene/weather.h"
 #include "server/sea_director.h"
 #include "tests/server/forgetful_journal.h"
@@ -51,6 +50,14 @@ class Director : public testing::Test {
         changes.change(std::move(wish),
                        [&promise](Result<SeaPromise> made) { promise.set_value(std::move(made)); });
         return promise.get_future().get();
+    }
+    /// Takes longer to be made, and so begins later, than wish().
+    SeaWish long_made() const {
+        SeaWish made = wish();
+        made.scene += "[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\n"
+                      "length_m = 43\nwavelength_m = 20\ncount = 64\nfrom_deg = 0\n"
+                      "wavenumber_ratio = 1.03\namplitude_m = 0.05\n";
+        return made;
     }
     Result<SeaPromise> asked(SeaWish wish) { return asked_of(*director, std::move(wish)); }
     Result<SeaPromise> through_world(Result<SeaWish> wish) {
@@ -96,12 +103,7 @@ TEST_F(Director, one_of_its_own_that_was_written_before_there_was_no_memory_is_p
 // Naive: a change begins the later the longer it takes to be made, so that one that is asked for behind it, and made sooner, begins
 // before it: it would be lost.
 TEST_F(Director, changes_begin_in_the_order_in_which_they_were_asked_for) {
-    SeaWish long_made = wish();
-    long_made.scene = windy();
-    long_made.scene += "[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\n"
-                       "length_m = 43\nwavelength_m = 20\ncount = 64\nfrom_deg = 0\n"
-                       "wavenumber_ratio = 1.03\namplitude_m = 0.05\n";
-    const Result<SeaPromise> first = asked(long_made), second = asked(wish());
+    const Result<SeaPromise> first = asked(long_made()), second = asked(wish());
     ASSERT_TRUE(first) << first.error().message;
     ASSERT_TRUE(second) << second.error().message;
     EXPECT_GE(second->start_us, first->start_us);
@@ -111,6 +113,94 @@ TEST_F(Director, changes_begin_in_the_order_in_which_they_were_asked_for) {
     const Result<SeaPromise> at_once = asked(wish());
     ASSERT_TRUE(at_once) << at_once.error().message;
     EXPECT_LT(at_once->start_us, later.at_us) << "who names no time waits for none that was named";
+}
+
+// Naive: one whose time had not come when it was written keeps its place only if it was to have it.
+TEST_F(Director, a_change_whose_time_was_too_early_begins_in_that_order_too) {
+    journal.spread = 20'000'000; // as soon as can be is behind that
+    SeaWish early = long_made();
+    early.at_us = clock.now_us() + 15'000'000; // has not come when it is made
+    const Result<SeaPromise> first = asked(early), second = asked(wish());
+    ASSERT_TRUE(first) << first.error().message;
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_GT(first->start_us, early.at_us);
+    EXPECT_GE(second->start_us, first->start_us);
+}
+
+// Naive: those that were taken over from, and never begin, keep their places until their times have passed.
+TEST_F(Director, changes_that_another_takes_over_from_are_promised_no_more) {
+    journal.spread = 0; // so that a change may begin after two seconds
+    const auto asked_at = [this](TimeUs at_us) {
+        SeaWish at = wish();
+        at.at_us = at_us;
+        return asked(at);
+    };
+    for (const bool by_another : {false, true}) {
+        // Each may begin up to two seconds later (meeting_us_max); all within the ten in which clients are told.
+        const TimeUs later_us = clock.now_us() + 7'000'000;
+        for (std::size_t i = 0; i < changes_promised_max; ++i)
+            ASSERT_TRUE(asked_at(later_us + 100'000 * static_cast<TimeUs>(i)));
+        EXPECT_FALSE(asked_at(later_us + 2'500'000)) << "they are as many as may be";
+        const TimeUs start_us = later_us - 2'500'000;
+        if (by_another) {
+            const std::uint32_t number = following().played + 1;
+            journal.by_another({number, start_us, start_us + 20'000'000, windy()});
+            ASSERT_TRUE(tests::eventually([&] { return following().played == number; }));
+        } else {
+            const Result<SeaPromise> made = asked_at(start_us);
+            ASSERT_TRUE(made) << made.error().message;
+        }
+        const Result<SeaPromise> next = asked(wish()); // takes over from that one
+        EXPECT_TRUE(next) << next.error().message;
+    }
+}
+
+// Naive: the server has run on while it was written, its clients follow what it says, and who starts it anew has an earlier sea.
+TEST_F(Director, a_pace_that_was_written_too_late_is_followed_by_one_in_which_all_meet) {
+    std::atomic<int> handed_over = 0;
+    world.hand_over_by([&handed_over](const std::string&) { ++handed_over; });
+    std::vector<protocol::Bytes>
+        told; // on the director's thread, which has written when it answers
+    world.announce_to([&told](const SharedBytes& message) { told.push_back(*message); });
+    journal.spread = 0; // a pace is to hold after a second
+    journal.appends_take_ms = 1500;
+    SeaWish pause;
+    pause.pace_permille = 0;
+    const Result<SeaPromise> made = asked(pause);
+    ASSERT_TRUE(made) << made.error().message;
+    const std::vector<SeaChange> written = journal.since(1).value();
+    ASSERT_EQ(written.size(), 2u);
+    const sea::Pace second = written[1].pace.value();
+    EXPECT_EQ(made->change, 3u);
+    EXPECT_EQ(made->start_us, second.sea_us);
+    ASSERT_EQ(told.size(), 1u) << "one that held already is nothing that anybody can follow";
+    EXPECT_EQ(told.front(), protocol::pace(second));
+    EXPECT_EQ(second.sea_us, second.from_us) << "it has run at pace 1 until then, without a jump";
+    ASSERT_TRUE(
+        tests::eventually([&] { return clock.moment().elapsed_us > second.from_us + 200'000; }));
+    EXPECT_EQ(clock.now_us(), second.sea_us);
+    sea::Paces from_journal;
+    for (const SeaChange& change : written)
+        from_journal.add(change.pace.value());
+    SeaClock started_anew(clock.moment().epoch_utc_us, SeaClock::utc_now_us,
+                          SeaClock::steady_now_us, from_journal);
+    EXPECT_EQ(started_anew.now_us(), clock.now_us());
+    EXPECT_EQ(handed_over, 0);
+}
+
+// Naive: at a pace of 0 it is ahead of all others for as long as that lasts, and looks certain.
+TEST_F(Director, who_hears_of_a_pause_after_it_began_is_in_doubt_until_all_meet_in_another_pace) {
+    const TimeUs from_us = clock.moment().elapsed_us - 1'000'000;
+    journal.by_another({.epoch = 2, .scene = {}, .pace = sea::Pace{from_us, from_us, 0}});
+    ASSERT_TRUE(tests::eventually([&] { return following().kind_of_doubt() == Doubt::ahead; }));
+    EXPECT_NE(following().doubt().find("heard of a pace too late"), std::string::npos);
+    EXPECT_GE(following().ahead_us, 1'000'000);
+    SeaWish on;
+    on.pace_permille = 1000;
+    const Result<SeaPromise> made = asked(on);
+    ASSERT_TRUE(made) << made.error().message << ": it is what ends the doubt";
+    EXPECT_EQ(made->start_us, clock.now_us()) << "forward, and for all";
+    EXPECT_TRUE(tests::eventually([&] { return following().kind_of_doubt() == Doubt::none; }));
 }
 
 // The sea has leapt under those who are here: they are to go where it has not.
@@ -255,143 +345,6 @@ TEST_F(Director, what_it_refuses_is_counted_by_reason) {
                   std::string::npos)
             << page;
     EXPECT_NE(page.find("# TYPE seaway_changes_refused_total counter\n"), std::string::npos);
-}
-
-/// What administrators read of a journal that nobody plays.
-class ReadJournal : public testing::Test {
-  protected:
-    ReadJournal() {
-        world.read_by([this](std::uint32_t epoch, std::size_t most) {
-            Result<std::vector<SeaChange>> those = some(changes, epoch, most);
-            read += those->size();
-            ++asked;
-            return those;
-        });
-    }
-    static sea::Scene scene(const std::string& more = {}) {
-        return sea::parse_scene(small_sea + more, "small_sea", ".").value();
-    }
-    void add(const std::string& toml, bool lapsed = false) {
-        changes.push_back({.epoch = static_cast<std::uint32_t>(changes.size()) + 1,
-                           .scene = toml,
-                           .lapsed = lapsed});
-    }
-    void add_pace() {
-        changes.push_back({.epoch = static_cast<std::uint32_t>(changes.size()) + 1,
-                           .scene = {},
-                           .pace = sea::Pace{1, 1, 500}});
-    }
-    static std::string with(const std::string& path, const std::string& value) {
-        const TomlAssignment one{path, value};
-        return sea::to_toml(sea::changed(scene(), {&one, 1}).value());
-    }
-
-    std::vector<SeaChange> changes{{1, 0, 0, sea::to_toml(scene())}};
-    std::size_t read = 0; ///< changes that were handed over
-    int asked = 0;
-    const std::shared_ptr<SeaCourse> course = SeaCourse::begin(scene()).value();
-    SeaClock clock{0, [] { return std::int64_t{5'000'000'000}; }, [] { return std::int64_t{0}; }};
-    World world{course, clock};
-};
-
-TEST_F(ReadJournal, each_change_differs_from_the_last_scene_that_ran_wherever_a_list_begins) {
-    add(with("systems.0.wind_speed_10m_mps", "14.0"));
-    for (int i = 0; i < 5; ++i) {
-        add_pace();
-        add(with("systems.0.wind_speed_10m_mps", fmt::format("{}.5", 20 + i)), true);
-    }
-    add(with("systems.0.wind_speed_10m_mps", "15.0")); // 13
-    const auto whole = nlohmann::json::parse(world.history(1).value())["changes"];
-    ASSERT_EQ(whole.size(), 13u);
-    for (std::uint64_t from = 1; from <= 13; ++from) {
-        const auto listed = nlohmann::json::parse(world.history(from).value())["changes"];
-        ASSERT_EQ(listed.size(), 14 - from);
-        for (std::size_t i = 0; i < listed.size(); ++i)
-            EXPECT_EQ(listed[i], whole[from - 1 + i]) << from;
-    }
-    ASSERT_EQ(whole[12]["differs"].size(), 1u) << whole[12].dump();
-    EXPECT_NE(whole[12]["differs"].dump().find("15"), std::string::npos);
-    EXPECT_TRUE(nlohmann::json::parse(world.history(14).value())["changes"].empty());
-}
-
-// A scene may hold a table of 100 KB, a journal 10 000 of them, and who asks is the network's thread.
-TEST_F(ReadJournal, no_more_is_read_than_is_told_however_long_it_is) {
-    for (int i = 0; i < 3000; ++i)
-        add_pace();
-    add(with("systems.0.wind_speed_10m_mps", "14.0"));
-    (void)world.history(3002).value();
-    EXPECT_LE(read, 1u + 3001u) << "one that runs has to be looked for behind paces, once";
-    read = 0;
-    for (int i = 0; i < 500; ++i)
-        add(with("systems.0.wind_speed_10m_mps", fmt::format("{}.25", 10 + i % 10)));
-    EXPECT_EQ(nlohmann::json::parse(world.history(3002).value())["changes"].size(), 200u);
-    read = 0;
-    EXPECT_EQ(nlohmann::json::parse(world.history(3100).value())["changes"].size(), 200u);
-    EXPECT_EQ(read, 201u);
-    read = 0;
-    (void)world.scene_of_change(3100).value();
-    EXPECT_EQ(read, 1u);
-}
-
-// Naive: the scene before the first that is told of is looked for, number by number from where nothing has ever been: minutes.
-TEST_F(ReadJournal, a_history_of_what_has_no_number_yet_is_empty_at_once) {
-    for (const std::uint64_t from : {std::uint64_t{2}, std::uint64_t{4'294'967'295}}) {
-        asked = 0;
-        EXPECT_TRUE(nlohmann::json::parse(world.history(from).value())["changes"].empty());
-        EXPECT_EQ(asked, 1) << from;
-    }
-}
-
-// Four lines a change, two hundred changes: a table's line would fill the answer alone.
-TEST_F(ReadJournal, of_a_long_line_a_history_tells_the_beginning) {
-    changes.push_back({.epoch = 2, .scene = "table = \"" + std::string(110'000, '1') + "\"\n"});
-    const auto listed = nlohmann::json::parse(world.history(2).value())["changes"];
-    ASSERT_EQ(listed[0]["differs"].size(), 5u)
-        << "it has nothing else, and not all of that is told";
-    const std::string line = listed[0]["differs"][0];
-    EXPECT_LT(line.size(), 256u);
-    EXPECT_TRUE(line.starts_with("table = \"111")) << line;
-    EXPECT_TRUE(line.ends_with("1...")) << line;
-}
-
-TEST_F(ReadJournal, there_is_no_way_back_to_what_has_no_sea) {
-    add(with("sea.depth_m", "50.0"), true);
-    add_pace();
-    const auto why = [this](std::uint64_t number) {
-        const Result<std::string> scene = world.scene_of_change(number);
-        EXPECT_FALSE(scene) << number;
-        EXPECT_TRUE(scene || scene.error().is(Refusal::bad_value));
-        return scene ? "" : scene.error().message;
-    };
-    EXPECT_NE(why(2).find("change is 2, which came to the journal too late and has lapsed"),
-              std::string::npos)
-        << why(2);
-    EXPECT_NE(why(3).find("change is 3, which is one of pace"), std::string::npos) << why(3);
-    EXPECT_NE(why(4).find("change is 4; there is none"), std::string::npos) << why(4);
-    EXPECT_NE(why(1ull << 32).find("numbers are 1 .. 4294967295"), std::string::npos);
-    for (int i = 0; i < 10'000; ++i) // one a minute for a week
-        add_pace();
-    EXPECT_NE(why(10'002).find("which is one of pace"), std::string::npos) << why(10'002);
-    EXPECT_NE(why(0).find("there is none"), std::string::npos) << why(0);
-    EXPECT_EQ(world.scene_of_change(1).value(), changes[0].scene) << "to the letter";
-}
-
-// At 5000 s: what its rows have led to by then, and those to come at their own times.
-TEST_F(ReadJournal, the_way_back_to_a_scene_with_a_timetable_is_to_where_that_is_now) {
-    add(sea::to_toml(
-        scene("[[weather]]\nat_s = 1000\nover_s = 20\n"
-              "set.systems.0.wind_speed_10m_mps = 14.0\n"
-              "[[weather]]\nat_s = 9000\nover_s = 20\nset.systems.0.from_deg = 123\n")));
-    const std::string now = world.scene_of_change(2).value();
-    const Result<sea::Scene> read = sea::parse_scene(now, "now", ".");
-    ASSERT_TRUE(read) << read.error().message;
-    ASSERT_EQ(read->weather.size(), 1u);
-    EXPECT_EQ(read->weather[0].at_s, 9000);
-    sea::Scene bare = *read;
-    bare.weather.clear();
-    EXPECT_EQ(sea::to_toml(bare), with("systems.0.wind_speed_10m_mps", "14.0"));
-    const Result<void> added = course->add(*read, 5'010'000'000, 5'030'000'000);
-    EXPECT_TRUE(added) << added.error().message << " it can be gone back to";
 }
 
 } // namespace

@@ -18,6 +18,7 @@
 #include "server/host/refusal.h"
 #include "server/map_source.h"
 #include "server/world.h"
+#include "server/world_reports.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/server/stopped_clock.h"
 #include "tests/support/eventually.h"
@@ -228,6 +229,20 @@ TEST(World, displacements_do_not_follow_while_the_depth_of_a_glide_that_was_cut_
     const RunningSeaPtr calm = made(1, 49, 9), fresh = made(3, 49, 10), gale = made(5, 49, 12);
     const RunningSeaPtr rising = *make_glide(*calm, *fresh, 2, 0, 60 * s);
     EXPECT_TRUE((*make_glide(*rising, *gale, 4, 16 * s, 46 * s))->budget.displacement_follows);
+}
+
+// Naive: those of the sea that it leads to.
+TEST(World, a_glide_is_told_the_stylised_waves_of_both_of_its_ends) {
+    const RunningSeaPtr plain = running_sea();
+    const RunningSeaPtr sines =
+        running_sea("[[sea.system]]\ntype = \"sines\"\nlength_m = 43.0\n"
+                    "shape = \"sine\"\nwavelength_m = 20.0\nfrom_deg = 90\n");
+    for (const auto& [from, to] : {std::pair(plain, plain), {plain, sines}, {sines, plain}}) {
+        const RunningSeaPtr glide = make_glide(*from, *to, 2, 0, 100'000'000).value();
+        const auto told = sea_state_values(*glide, {2, 0, 100'000'000}, {}).cascades;
+        EXPECT_FALSE(told[0].stylised);
+        EXPECT_EQ(told[1].stylised, from != to);
+    }
 }
 
 // Naive: whatever follows is named. A client would move points of a sea that is offered without sideways motion.

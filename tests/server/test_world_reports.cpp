@@ -239,9 +239,9 @@ TEST(StateJson, every_field_is_that_of_the_running_sea) {
     EXPECT_TRUE(json::parse(state_json(sea, {}, "", {}))["certificate"].is_null());
 }
 
-/// Two submissions of the first cascade and one of the second. By transforms times n^2 log2 n (64:
+/// Two keyframes of the first cascade and one of the second. By transforms times n^2 log2 n (64:
 /// 24576, 32: 5120) the height of the first weighs 4 * 24576 = 98304, that of the second 5120 and its
-/// slopes 10240: 113664 in all.
+/// slopes 10240: 113664 in all. Transforms alone are 4, 1 and 2.
 constexpr double weight_all = 113664;
 EffectCosts some_costs() {
     using sea::Field;
@@ -249,8 +249,7 @@ EffectCosts some_costs() {
     const sea::FieldSet height{Field::height, Field::height_rate};
     const KeyframeRequest requests[] = {
         {0, 0, height}, {0, 1, height}, {1, 0, {Field::height, Field::slope_x, Field::slope_y}}};
-    costs.add(requests,
-              {.dispatches = 70, .transforms = 11, .keyframes = 3, .device_seconds = 0.5});
+    costs.add(requests, {.dispatches = 70, .transforms = 7, .keyframes = 3, .device_seconds = 0.5});
     const FoamTurn turn{};
     const KeyframeRequest foam{1, 0, {}, 1, &turn};
     costs.add({&foam, 1}, {.foam_seconds = 0.125});
@@ -266,6 +265,7 @@ SimulationCounters some_counters() {
     SynthesisCounters synthesis{3, 5, 7, 9, 11.5, 79, 83, 0.0, 71, 73};
     for (std::size_t i = 0; i < synthesis.maps_too_large.size(); ++i)
         synthesis.maps_too_large[i] = 100 + i;
+    synthesis.stylised_sums = 89;
     return {.synthesis = synthesis,
             .store = {.keyframes = 13, .bytes = 17, .hits = 19, .misses = 23},
             .keyframes_published = 29,
@@ -290,6 +290,7 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                                            {"seaway_keyframes_total", 7},
                                            {"seaway_keyframes_copied_total", 79},
                                            {"seaway_foam_ticks_total", 83},
+                                           {"seaway_stylised_sums_total", 89},
                                            {"seaway_device_seconds_total", 11.5},
                                            {"seaway_keyframes_published_total", 29},
                                            {"seaway_keyframes_skipped_total", 31},
@@ -310,6 +311,7 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                                   : effect == "height" ? 5120
                                   : effect == "slopes" ? 10240
                                                        : 0;
+            const double transforms = weight / (cascade == 0 ? 24576 : 5120);
             const double keyframes = weight == 0 ? 0 : cascade == 0 ? 2 : 1;
             const double beside_s = cascade == 1 && effect == "foam" ? 0.125 : 0;
             const auto put = [&](const char* name, double value) {
@@ -317,8 +319,8 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
                          std::to_string(cascade) + "\",effect=\"" + effect + "\"}"] = value;
             };
             put("keyframes", keyframes);
-            put("dispatches", 70 * weight / weight_all);
-            put("transforms", 11 * weight / weight_all);
+            put("dispatches", 10 * transforms);
+            put("transforms", transforms);
             put("seconds", 0.5 * weight / weight_all + beside_s);
         }
     tests::expect_metrics(
@@ -334,7 +336,8 @@ TEST(SimulationMetrics, every_line_shows_the_figure_that_it_names) {
 
 TEST(PlanJson, every_field_is_that_of_the_plan_and_of_what_was_measured) {
     const RunningSea sea = some_sea();
-    // A second of the device does weight_all / 0.5 s; a keyframe comes four times a second.
+    // A second of the device does weight_all / 0.5 s; a keyframe comes four times a second of the sea's, which runs four times as fast
+    // as clocks do.
     const auto effect = [](const char* name, const char* field, double weight, double share_us,
                            int keyframes) {
         const double predicted_us = 1e6 * weight * 0.5 / weight_all;
@@ -342,11 +345,12 @@ TEST(PlanJson, every_field_is_that_of_the_plan_and_of_what_was_measured) {
                     {"fields", {field}},
                     {"predicted_us_per_keyframe", predicted_us},
                     {"share_us_per_keyframe", share_us},
-                    {"predicted_us_per_s", 4 * predicted_us},
+                    {"predicted_us_per_s", 16 * predicted_us},
                     {"keyframes", keyframes}};
     };
     expect_same(
-        json::parse(plan_json(sea, some_plan(), some_counters(), some_costs(), "abacus")),
+        json::parse(plan_json(sea, some_plan(), some_counters(), some_costs(), "abacus",
+                              {.pace_permille = 4000})),
         {{"device", "abacus"},
          {"idle", false},
          {"cascades",
@@ -356,7 +360,7 @@ TEST(PlanJson, every_field_is_that_of_the_plan_and_of_what_was_measured) {
              {effect("height", "height", 24576, 1e6 * 0.5 * 98304 / weight_all / 2, 2),
               effect("slopes", "slope_x", 24576, 0, 0)}},
             {"fields", {"height", "slope_x"}},
-            {"keyframes_per_s", 4.0},
+            {"keyframes_per_s", 16.0},
             {"transforms_per_keyframe", 17}},
            {{"length_m", 43.0},
             {"size", 64},
@@ -366,6 +370,30 @@ TEST(PlanJson, every_field_is_that_of_the_plan_and_of_what_was_measured) {
             {"transforms_per_keyframe", 19}}}},
          {"done",
           {{"dispatches", 3}, {"transforms", 5}, {"keyframes", 7}, {"device_seconds", 11.5}}}});
+}
+
+// What foam is told to go by is what its maps do: of two seas of which one has none the other's threshold holds throughout.
+TEST(SeaStateValues, a_glide_is_told_the_foam_threshold_that_its_maps_go_by) {
+    const auto sea_of = [](const char* wind_mps) {
+        std::string text = small_sea;
+        text.replace(text.find("9.0"), 3, wind_mps);
+        return make_running_sea(*sea::parse_scene(text + "[effects]\nfoam = true\n", "foam"), 1)
+            .value();
+    };
+    const RunningSeaPtr calm = sea_of("2.0"), fresh = sea_of("12.0"), storm = sea_of("18.0");
+    ASSERT_TRUE(calm->foam_law->calm());
+    ASSERT_FALSE(fresh->foam_law->calm());
+    ASSERT_GT(std::abs(storm->foam_law->threshold - fresh->foam_law->threshold), 1e-3);
+    for (const auto& [from, to] : {std::pair(calm, storm), {storm, calm}, {fresh, storm}}) {
+        const RunningSeaPtr glide = make_glide(*from, *to, 2, 0, 100'000'000).value();
+        const protocol::SeaStateValues told = sea_state_values(*glide, {2, 0, 100'000'000}, {});
+        // Half of one of 16 steps, where both have foam.
+        const double step = std::abs(told.foam_threshold - told.glide->foam_threshold) / 32;
+        for (sea::TimeUs t_us = 2'000'000; t_us < 99'000'000; t_us += 3'000'000)
+            EXPECT_NEAR(told.foam_threshold_at(t_us), glide->foam_law_at(t_us)->threshold,
+                        step + 1e-12)
+                << t_us;
+    }
 }
 
 // Naive: who has no free file to look into the list of what is open with finds nothing open, just when it matters.

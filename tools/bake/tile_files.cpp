@@ -18,11 +18,6 @@ using sea::Field;
 
 namespace {
 
-/// A flat sea comes from nowhere: 0, as its other numbers.
-double from_deg(const sea::SeaStatistics& s) {
-    return s.significant_height_m > 0.0 ? sea::bearing_from_towards(s.mean_towards_rad) : 0.0;
-}
-
 /// What is the same for every file.
 std::vector<ExrAttribute> sea_attributes(const sea::Scene& scene, const sea::Realization& sea,
                                          const BakeOptions& options) {
@@ -39,7 +34,7 @@ std::vector<ExrAttribute> sea_attributes(const sea::Scene& scene, const sea::Rea
         {"seaway.tp_s", s.peak_period_s},
         {"seaway.tz_s", s.zero_crossing_period_s},
         {"seaway.tm01_s", s.mean_period_s},
-        {"seaway.mean_from_deg", from_deg(s)},
+        {"seaway.mean_from_deg", sea::mean_from_deg(s)},
         {"seaway.requested_hs_m", summary.requested.significant_height_m},
         {"seaway.requested_tp_s", summary.requested.peak_period_s},
         {"seaway.choppiness_x", sea.choppiness.x},

@@ -19,24 +19,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-bool flat(const sea::SeaStatistics& s) {
-    return !(s.significant_height_m > 0.0);
-}
-
-double from_deg(const sea::SeaStatistics& s) {
-    return flat(s) ? 0.0 : sea::bearing_from_towards(s.mean_towards_rad);
-}
-
 double variance(const sea::SeaStatistics& s) {
     return s.significant_height_m * s.significant_height_m / 16.0;
 }
 
 Json json_of(const sea::SeaStatistics& s) {
-    return {
-        {"hs_m", s.significant_height_m},   {"tp_s", s.peak_period_s},
-        {"tz_s", s.zero_crossing_period_s}, {"tm01_s", s.mean_period_s},
-        {"mean_from_deg", from_deg(s)},     {"spread_deg", s.spread_rad * sea::degrees_per_radian},
-        {"mss", s.mean_square_slope}};
+    return {{"hs_m", s.significant_height_m},
+            {"tp_s", s.peak_period_s},
+            {"tz_s", s.zero_crossing_period_s},
+            {"tm01_s", s.mean_period_s},
+            {"mean_from_deg", sea::mean_from_deg(s)},
+            {"spread_deg", s.spread_rad * sea::degrees_per_radian},
+            {"mss", s.mean_square_slope}};
 }
 
 /// Of the height that was asked for.
@@ -132,7 +126,7 @@ std::string text_of_statistics(const Report& report) {
         {"peak period Tp", "s", q.peak_period_s, r.peak_period_s},
         {"zero-crossing period Tz", "s", q.zero_crossing_period_s, r.zero_crossing_period_s},
         {"mean period Tm01", "s", q.mean_period_s, r.mean_period_s},
-        {"mean direction, from", "deg", from_deg(q), from_deg(r)},
+        {"mean direction, from", "deg", sea::mean_from_deg(q), sea::mean_from_deg(r)},
         {"directional spread", "deg", q.spread_rad * sea::degrees_per_radian,
          r.spread_rad * sea::degrees_per_radian},
         {"mean square slope", "", q.mean_square_slope, r.mean_square_slope}};
@@ -144,7 +138,7 @@ std::string text_of_statistics(const Report& report) {
     out += fmt::format("WMO sea state {}: {}\n", label.code, label.name);
     out += fmt::format("Tp {}\n", tp_definition(report));
     out += fmt::format("Hs of one seed scatters by {:.1f} % (one standard deviation)\n",
-                       100.0 * report.hs_scatter_expected());
+                       100.0 * sea::hs_scatter(report.summary));
     for (const sea::LatticeBias& bias : report.summary.lattice)
         out += fmt::format("system {} on these tiles, on average over seeds: energy {:+.2f} %, "
                            "direction {:+.2f} degrees, spread {:+.2f} %\n",
@@ -186,17 +180,6 @@ std::string text_of_losses(const Report& report) {
 
 } // namespace
 
-double Report::hs_scatter_expected() const {
-    // Cascades are independent: variances of m0 add, and Hs scatters by half of m0's share.
-    double squares = 0.0;
-    double sum = 0.0;
-    for (const sea::CascadeVariance& c : summary.cascades) {
-        squares += std::pow(c.expected_scatter * c.requested_m2, 2);
-        sum += c.requested_m2;
-    }
-    return sum > 0.0 ? std::sqrt(squares) / sum : 0.0;
-}
-
 Result<Report> make_report(const sea::Scene& scene) {
     SEAWAY_TRY_LET(sea::Realization sea, realize(scene));
     Report report;
@@ -228,7 +211,7 @@ std::string to_json(const Report& report) {
                        {"requested", json_of(report.summary.requested)},
                        {"realised", json_of(report.summary.realised)},
                        {"wmo_sea_state", json_of_label(report.summary.requested)},
-                       {"hs_scatter_expected", report.hs_scatter_expected()},
+                       {"hs_scatter_expected", sea::hs_scatter(report.summary)},
                        {"tp_definition", tp_definition(report)},
                        {"tp_bin_s", report.summary.peak_bin_period_s > 0.0
                                         ? Json(report.summary.peak_bin_period_s)

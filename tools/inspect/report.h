@@ -24,9 +24,6 @@ struct Report {
     sea::FoamLawPtr foam;            ///< null where the scene allows no foam
     sea::CertificatePtr certificate; ///< null where the scene names none
     std::vector<std::string> warnings;
-
-    /// Standard deviation of the realised Hs from seed to seed, relative.
-    double hs_scatter_expected() const;
 };
 
 /// About 0.2 s for three cascades of 256 x 256.

@@ -100,6 +100,7 @@ class CascadeWaves {
     /// Those of its waves that a grid of so many points a side has no room for (sea/surface/maps/regrid.h); stylised ones
     /// are not cut. Cost: one pass over some hundred sums.
     CutWaves cut(int size) const;
+    bool has_stylised() const { return !sines_.empty(); } ///< waves that are no modes
     /// Are all of its waves modes, which can be cut, on a grid that transforms are quick at?
     bool can_be_cut() const;
     /// What even noise of heights becomes in displacements that follow from them on a grid of so many points a side

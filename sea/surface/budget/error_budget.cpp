@@ -107,6 +107,7 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
             following += waves.follows_gain() <= follows_gain_max ? 1u : 0u;
         }
         note_coarser(budget.cascades.back(), waves);
+        budget.cascades.back().stylised = waves.has_stylised();
         const CascadeLoss& loss = budget.cascades.back().loss;
         height_m2 += loss.height.interpolation_variance_m2();
         displacement_m2 += loss.displacement.interpolation_variance_m2();

@@ -63,6 +63,7 @@ struct CascadeBudget {
     std::array<Slow, every_most> slow{};
     bool can_be_cut = false;
     int every_max = 1;
+    bool stylised = false; ///< some of its waves are no modes: they move nothing sideways
 };
 
 struct ErrorBudget {

@@ -23,6 +23,10 @@
 
 namespace seaway::sea {
 
+/// A keyframe is published this long of clocks before its interval begins, so that it is decoded in time: of a sea that runs
+/// faster than clocks so many times as much sea time.
+inline constexpr TimeUs publish_lead_us = 250'000;
+
 /// Keyframe intervals to choose from, longest first: steps of a quarter or less.
 inline constexpr TimeUs keyframe_intervals_us[] = {
     2'000'000, 1'600'000, 1'250'000, 1'000'000, 800'000, 640'000, 500'000, 400'000,

@@ -30,10 +30,11 @@ struct Keyframe {
     std::uint32_t epoch = 0; ///< sea state that it belongs to
     int cascade = 0;
     TimeUs time_us = 0;
-    int size = 0;        ///< grid points a side
-    double length_m = 0; ///< side of the tile
-    FieldSet fields;     ///< what `values` holds
-    MapValues values;    ///< [field in table order][y][x]; point (x,y) is at (x,y)*length/size
+    int size = 0;          ///< grid points a side
+    double length_m = 0;   ///< side of the tile
+    FieldSet fields;       ///< what `values` holds
+    MapValues values;      ///< [field in table order][y][x]; point (x,y) is at (x,y)*length/size
+    bool stylised = false; ///< some of its waves are no modes, and move nothing sideways
 
     std::vector<RoundedMap> rounded; ///< those fields of which that is so
 

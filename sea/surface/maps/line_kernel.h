@@ -9,7 +9,6 @@
 namespace seaway::sea {
 
 inline constexpr int lines_at_once = 16;
-inline constexpr int radix_max = 5;
 
 /// Numbers are [n][re, im][line].
 struct LineTransform {

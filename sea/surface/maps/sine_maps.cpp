@@ -42,27 +42,35 @@ void add_plane_waves(const SineField& field, TimeUs phase_time, Keyframe& keyfra
                                row.real() * column.imag() + row.imag() * column.real(), nodes[ix]);
             }
         }
-        for (const Field f : keyframe.fields& linear_fields)
+        for (const Field f : keyframe.fields& sine_fields)
             for (std::size_t ix = 0; ix < size; ++ix)
                 keyframe.plane(f)[iy * size + ix] += static_cast<float>(value_of(nodes[ix], f));
     }
 }
 
-} // namespace
-
-void add_sines(const SineField& field, TimeUs phase_time, Keyframe& keyframe) {
-    if (field.kind == SineKind::sine) {
-        add_plane_waves(field, phase_time, keyframe);
-        return;
-    }
+/// Waves that drag one another, and noise.
+void add_points(const SineField& field, TimeUs phase_time, Keyframe& keyframe) {
     const double spacing = keyframe.length_m / keyframe.size;
     for (int iy = 0; iy < keyframe.size; ++iy)
         for (int ix = 0; ix < keyframe.size; ++ix) {
             const LagrangianPoint point = sines_at(field, ix * spacing, iy * spacing, phase_time);
             const auto node = static_cast<std::size_t>(iy * keyframe.size + ix);
-            for (const Field f : keyframe.fields& linear_fields)
+            for (const Field f : keyframe.fields& sine_fields)
                 keyframe.plane(f)[node] += static_cast<float>(value_of(point, f));
         }
+}
+
+} // namespace
+
+std::uint64_t add_sines(const SineField& field, TimeUs phase_time, Keyframe& keyframe) {
+    keyframe.stylised = true;
+    if ((keyframe.fields & sine_fields).empty())
+        return 0;
+    if (field.kind == SineKind::sine)
+        add_plane_waves(field, phase_time, keyframe);
+    else
+        add_points(field, phase_time, keyframe);
+    return keyframe.plane_size() * sine_terms(field);
 }
 
 } // namespace seaway::sea

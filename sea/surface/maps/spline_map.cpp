@@ -77,7 +77,8 @@ float* SplineMap::texel(int x, int y) {
 
 SplineMap::SplineMap(const Keyframe& keyframe)
     : size_(keyframe.size), length_m_(keyframe.length_m), time_us_(keyframe.time_us),
-      epoch_(keyframe.epoch), moves_sideways_(keyframe.fields.contains(surface_fields)) {
+      epoch_(keyframe.epoch),
+      moves_sideways_(keyframe.fields.contains(surface_fields) && !keyframe.stylised) {
     SEAWAY_CHECK(keyframe.fields.contains(FieldSet{Field::height, Field::height_rate}),
                  "a sampler needs height and its rate");
     const auto pitch = static_cast<std::size_t>(size_ + border);

@@ -39,7 +39,8 @@ class SplineMap {
 
     TimeUs time_us() const { return time_us_; }
     std::uint32_t epoch() const { return epoch_; }
-    bool moves_sideways() const { return moves_sideways_; } ///< it held displacements and rates
+    /// It held displacements and rates, and those of all of its waves.
+    bool moves_sideways() const { return moves_sideways_; }
     std::size_t bytes() const { return bytes_of(size_); }
     /// What a map of this size takes, coefficients and windows.
     static std::size_t bytes_of(int size) {

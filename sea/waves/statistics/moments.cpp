@@ -403,6 +403,16 @@ void add_losses(std::span<const DirectionalSpectrum> spectra, const Dispersion& 
 
 } // namespace
 
+double hs_scatter(const SeaSummary& summary) {
+    double squares = 0.0;
+    double sum = 0.0;
+    for (const CascadeVariance& cascade : summary.cascades) {
+        squares += std::pow(cascade.expected_scatter * cascade.requested_m2, 2);
+        sum += cascade.requested_m2;
+    }
+    return sum > 0.0 ? std::sqrt(squares) / sum : 0.0;
+}
+
 SeaSummary summarize(const SeaState& sea, const Realization& realization) {
     SeaSummary summary;
     const Dispersion dispersion = sea.dispersion();

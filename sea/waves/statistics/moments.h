@@ -60,6 +60,10 @@ struct SeaSummary {
     double peak_bin_period_s = 0;
 };
 
+/// Relative standard deviation, over seeds, of Hs of the whole sea at one instant. Cascades are drawn apart from each
+/// other: variances of m0 add, and Hs scatters by half of m0's share. 0 for a sea without spectra.
+double hs_scatter(const SeaSummary& summary);
+
 /// About as long as realize().
 SeaSummary summarize(const SeaState& sea, const Realization& realization);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "client/held/keyframe_ring.h"
+#include "sea/surface/budget/spending.h"
 
 namespace seaway::client {
 namespace {
@@ -100,6 +101,25 @@ TEST(Ring, what_passes_by_is_bounded_by_count_and_bytes) {
         EXPECT_EQ(many.size(0), limits.keyframes_per_cascade + more);
         EXPECT_EQ(large.size(0), RingLimits::keyframes_per_cascade_min + more);
     }
+}
+
+// Naive: room for the bytes of a usual stream. What is sent ahead of a sea ten times as fast as clocks, of maps of 512 x 512, has
+// no place then, is dropped as it comes, and never comes again.
+TEST(Ring, of_a_hurried_stream_every_time_is_covered_however_large_its_maps_are) {
+    constexpr TimeUs lead_us = sea::publish_lead_us, line_us = 20'000; // of clocks
+    for (const TimeUs apart_us : {20'000, 125'000, 250'000, 800'000})
+        for (const int hurry : {1, 4, 10})
+            for (const std::size_t bytes_max : {std::size_t{1}, RingLimits{}.bytes_per_cascade}) {
+                KeyframeRing ring({.bytes_per_cascade = bytes_max});
+                TimeUs next_us = 0;
+                for (TimeUs now_us = 0; now_us < 8'000'000; now_us += 5'000 * hurry) {
+                    for (; next_us - apart_us - hurry * (lead_us - line_us) <= now_us;
+                         next_us += apart_us)
+                        ring.insert_passing(streamed(next_us), now_us, apart_us, hurry);
+                    ASSERT_TRUE(ring.around(0, 1, now_us, apart_us, streamed_fields)->covers)
+                        << apart_us << ' ' << hurry << ' ' << bytes_max << ' ' << now_us;
+                }
+            }
 }
 
 // Naive: the first to come makes room. A stream that is sent further ahead than there is room for, as at a high pace, then

@@ -133,6 +133,44 @@ TEST(Foam, what_a_changed_law_makes_is_the_same_whoever_asks_and_from_where_they
     EXPECT_GT(largest_difference(film, old), 0.1) << "the other law breaks elsewhere";
 }
 
+// Naive: hundreds of ticks that leave an average an average.
+TEST(Foam, a_calm_before_the_storm_takes_no_step_and_the_storm_begins_at_the_average) {
+    const sea::RealizationPtr sea = storm();
+    const FoamLawPtr rough = make_foam_law(*sea, foam_model);
+    const FoamLawPtr calm = make_foam_law(
+        *tests::make_sea({tests::calm_cascade(211.0, 64), tests::calm_cascade(37.0, 64)}),
+        foam_model);
+    ASSERT_TRUE(calm->calm());
+    constexpr TimeUs storm_us = 50'000'000, tick_us = 200'000;
+    FoamWalk walk(calm, 0, tick_us);
+    walk.follow([&](TimeUs t_us) { return t_us <= storm_us ? calm : rough; });
+    EXPECT_FALSE(walk.next(storm_us));
+    const FoamView average = walk.at(storm_us);
+    EXPECT_EQ(average.tick.remains, 0.0f) << "whatever stands in the map";
+    EXPECT_EQ(average.tick.added, 1.0f);
+    for (const TimeUs t_us : {storm_us + tick_us, storm_us + 2 * tick_us}) {
+        const std::optional<FoamStep> step = walk.next(storm_us + 2 * tick_us);
+        ASSERT_TRUE(step);
+        EXPECT_EQ(step->time_us, t_us);
+        EXPECT_TRUE(step->tick.looks());
+        const bool first = t_us == storm_us + tick_us;
+        const double remains = foam_remains(0.2, foam_model.decay_s);
+        EXPECT_FLOAT_EQ(step->tick.remains, first ? 0.0f : static_cast<float>(remains));
+        EXPECT_FLOAT_EQ(step->tick.added, first ? static_cast<float>(remains) : 0.0f);
+    }
+    EXPECT_FALSE(walk.next(storm_us + 2 * tick_us));
+    // A law that nothing follows is that of all moments: not even counted.
+    FoamWalk still(calm, 0, tick_us);
+    bool changes = false;
+    still.follow([&](TimeUs) { return calm; }, [&] { return changes; });
+    EXPECT_EQ(still.ticks_to(storm_us), 0);
+    EXPECT_TRUE(still.at(storm_us).is_state());
+    changes = true;
+    EXPECT_GT(still.ticks_to(storm_us), 0);
+    still.pass_calm(storm_us);
+    EXPECT_EQ(still.ticks_to(storm_us), 0);
+}
+
 TEST(Foam, does_not_know_how_many_frames_a_second_it_is_asked_for) {
     const sea::RealizationPtr sea = storm();
     const FoamLawPtr law = make_foam_law(*sea, foam_model);

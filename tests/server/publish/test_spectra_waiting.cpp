@@ -51,7 +51,8 @@ TEST(Outbox, a_spectrum_is_replaced_by_a_later_one_of_its_sea_and_given_up_when_
     EXPECT_EQ(outbox.bytes_waiting(), 100u);
     for (std::uint32_t epoch = 2; epoch < 100; ++epoch)
         outbox.push_spectrum(spectrum_of(epoch, 3));
-    EXPECT_EQ(outbox.bytes_waiting(), 4u * 3 * 50) << "of the four newest seas, however many came";
+    EXPECT_EQ(outbox.bytes_waiting(), protocol::limits::spectra_max * 3u * 50)
+        << "of the newest seas, however many came";
     outbox.stop_spectra();
     EXPECT_EQ(outbox.next(), nullptr);
 }

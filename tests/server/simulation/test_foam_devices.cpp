@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Foam where devices keep it: each is the history that this process would walk, at any time and in any steps.
-#include "gpu/call.h"
 #include "sea/native/native_runner.h"
 #include "sea/scene/weather.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "server/simulation/course_synthesis.h"
 #include "server/simulation/foam_maps.h"
-#include "server/simulation/streamed_foam.h"
 #include "tests/server/simulation/simulation_bench.h"
-#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -100,6 +97,10 @@ double largest_difference(std::span<const float> a, std::span<const float> b) {
 }
 
 const std::string steady = "[foam]\nthreshold = 0.8\ndecay_s = 3\n";
+const std::string calm_law = "[foam]\nthreshold = -0.9\ndecay_s = 3\n";
+const std::string three_sharp_waves = "[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\n"
+                                      "length_m = 301.0\ncount = 3\namplitude_m = 0.2\n"
+                                      "wavelength_m = 60.0\nfrom_deg = 230\n";
 
 // Strains of two devices differ by some 1e-6 of theirs, which are around one; breaking goes as the gradients of its
 // Gaussian tail, some hundred times as steep at the smallest of these means. A wrong term is wrong by tenths.
@@ -110,8 +111,7 @@ TEST_P(FoamOn, every_law_gives_the_history_that_this_process_walks_at_any_time) 
          {steady, std::string("[foam]\nthreshold = 0.6\nbias = 0.3\ndecay_s = 1.5\n"),
           std::string("[foam]\nthreshold = 0.8\ndecay_s = 0\n"),  // where waves break now
           std::string("[foam]\nthreshold = 0.8\ndecay_s = 60\n"), // longer than can be walked
-          std::string("[foam]\nthreshold = -0.9\ndecay_s = 3\n"), // calm
-          std::string("[sea]\nloop_period_s = 9.1\n") + steady}) {
+          calm_law, std::string("[sea]\nloop_period_s = 9.1\n") + steady}) {
         const bool loops = law.starts_with("[sea]");
         if (loops) {
             sea::Scene scene = running_sea(steady)->scene;
@@ -226,9 +226,80 @@ TEST_P(FoamOn, nothing_is_computed_that_nobody_asked_for) {
     EXPECT_EQ(first.transforms, 3 * first.foam_ticks) << "three strains a tick, and no other map";
     EXPECT_EQ(growth([&] { (void)map(foam, 0, 50'000'000); }).foam_ticks, on_tick ? 0u : 1u);
     // A calm sea looks at no strains, and has no ticks.
-    set("[foam]\nthreshold = -0.9\ndecay_s = 3\n");
+    set(calm_law);
     FoamMaps calm(course_);
-    EXPECT_EQ(growth([&] { (void)map(calm, 0, 50'000'000); }).transforms, 0u);
+    const SynthesisCounters of_calm = growth([&] {
+        for (const float ratio : map(calm, 0, 50'000'000))
+            ASSERT_EQ(ratio, 1.0f);
+    });
+    EXPECT_EQ(of_calm.transforms, 0u);
+    EXPECT_EQ(of_calm.foam_ticks, 0u);
+}
+
+// Naive: waves that have no strains are summed at every point of every tick, and no counter shows it.
+TEST_P(FoamOn, a_tick_costs_in_a_sea_with_stylised_waves_what_it_costs_without) {
+    const auto costs = [&](const std::string& more, FieldSet fields) {
+        set(steady + more);
+        FoamMaps foam(course_);
+        const SynthesisCounters before = device_->counters();
+        EXPECT_TRUE(foam.synthesize(*device_, {{0, 50'000'000, fields}}));
+        return device_->counters() - before;
+    };
+    const SynthesisCounters with = costs(three_sharp_waves, {Field::foam}),
+                            without = costs("", {Field::foam});
+    EXPECT_EQ(with.stylised_sums, 0u);
+    EXPECT_EQ(with.foam_ticks, without.foam_ticks);
+    EXPECT_EQ(with.transforms, without.transforms);
+    EXPECT_EQ(with.dispatches, without.dispatches);
+    EXPECT_EQ(with.keyframes, 1u) << "one was asked for: ticks are none";
+    // They move up and down alone, and each has a sum a point however many fields there are of it.
+    const std::uint64_t sums = 3 * 64 * 64;
+    const FieldSet sideways{Field::displacement_x, Field::displacement_y_rate, Field::jacobian};
+    EXPECT_EQ(costs(three_sharp_waves, sideways).stylised_sums, 0u);
+    EXPECT_EQ(costs(three_sharp_waves, {Field::slope_y}).stylised_sums, sums);
+    EXPECT_EQ(costs(three_sharp_waves, sea::surface_fields | FieldSet{Field::foam}).stylised_sums,
+              sums);
+    EXPECT_EQ(costs("", sea::surface_fields).stylised_sums, 0u);
+}
+
+// Naive: strains that foam looked at stay in a keyframe, and are made again with whatever it is asked for later.
+TEST_P(FoamOn, a_keyframe_has_the_fields_that_were_asked_for_and_no_other) {
+    set(steady);
+    FoamMaps foam(course_);
+    for (const FieldSet& fields : {FieldSet{Field::foam}, FieldSet{Field::height, Field::foam},
+                                   FieldSet{Field::strain_xy, Field::jacobian, Field::foam}}) {
+        const auto made = foam.synthesize(*device_, {{0, 50'000'000, fields}});
+        ASSERT_TRUE(made);
+        EXPECT_EQ(made->front()->fields, fields);
+        EXPECT_EQ(made->front()->values.size(),
+                  made->front()->plane_size() * static_cast<std::size_t>(fields.size()));
+    }
+}
+
+TEST_P(FoamOn, a_calm_sea_has_ticks_from_when_a_change_makes_it_break) {
+    const TimeUs storm_us = 100 * second_us;
+    set(calm_law);
+    const TomlAssignment breaks{"foam.threshold", "0.8"};
+    const sea::Scene storm = *sea::changed(sea_->scene, {&breaks, 1});
+    const auto course = std::make_shared<SeaCourse>(sea_);
+    FoamMaps before(course);
+    (void)map(before, 0, storm_us - second_us);
+    ASSERT_TRUE(course->add(storm, storm_us, storm_us + second_us));
+    before.follow_changes();
+    FoamMaps later(course);
+    const SynthesisCounters at_first = device_->counters();
+    (void)map(later, 0, storm_us - second_us);
+    EXPECT_EQ((device_->counters() - at_first).foam_ticks, 0u) << "it is calm until then";
+    const TimeUs tick_us =
+        sea::foam_ticks(3, sea_->budget.cascades[0].interval_us, 0).after(storm_us) - storm_us;
+    for (const TimeUs t_us : {storm_us + tick_us, storm_us + 10 * second_us}) {
+        const std::vector<float> gone_on = map(before, 0, t_us);
+        EXPECT_EQ(gone_on, map(later, 0, t_us));
+        EXPECT_GT(*std::ranges::max_element(gone_on), 1.1f) << "it breaks";
+    }
+    // Back where it was calm a map that has foam is not what is shown.
+    for (const float ratio : map(before, 0, storm_us - 50 * second_us))
+        ASSERT_EQ(ratio, 1.0f);
 }
 
 // Strains stay where they are: they travel only to who asked for them.
@@ -290,103 +361,6 @@ TEST_P(FoamOn, follows_a_sea_that_glides_to_another) {
     const auto here = of(On::native), there = of(GetParam());
     for (std::size_t i = 0; i < here.size(); ++i)
         EXPECT_LT(largest_difference(there[i], here[i]), same_ratio) << i;
-}
-
-TEST(FoamLost, with_its_device_is_walked_for_anew_on_the_next_one) {
-    const RunningSeaPtr sea = running_sea(steady);
-    const auto start = [&] {
-        return RebuiltSynthesizer::start(
-                   [](const sea::RealizationPtr& waves,
-                      std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
-                       gpu::fault::disarm();
-                       SEAWAY_TRY_LET(std::unique_ptr<Synthesizer> one, made_on(On::vulkan));
-                       SEAWAY_TRY(one->set_sea(waves, epoch));
-                       return one;
-                   },
-                   sea->realization, 1, {})
-            .value();
-    };
-    const std::unique_ptr<RebuiltSynthesizer> device = start();
-    FoamMaps foam(std::make_shared<SeaCourse>(sea));
-    const std::vector<KeyframeRequest> request{{0, 40'000'000, {Field::foam}}};
-    const auto before = foam.synthesize(*device, request).value();
-    ASSERT_EQ(foam.ticks_to(0, 40'000'000), 0);
-    FoamMaps copy = foam;
-    gpu::fault::arm(1, VK_ERROR_DEVICE_LOST, true);
-    const auto lost = foam.synthesize(*device, {{0, 41'000'000, {Field::foam}}});
-    ASSERT_FALSE(lost);
-    EXPECT_TRUE(lost.error().is(DeviceError::foam_lost)) << lost.error().message;
-    EXPECT_EQ(device->rebuilds(), 1u);
-    EXPECT_GT(copy.ticks_to(0, 40'000'000), 10) << "its map is gone, too";
-    EXPECT_FALSE(copy.is_near(0, 40'000'000));
-    const auto after = foam.synthesize(*device, request).value();
-    EXPECT_TRUE(std::ranges::equal(std::as_const(*after[0]).plane(Field::foam),
-                                   std::as_const(*before[0]).plane(Field::foam)));
-}
-
-// Histories without decay are not walked: their maps are opened one after the other for the same keyframes, and the device may be
-// lost at any call between.
-TEST(FoamLost, while_maps_of_two_cascades_are_opened_is_an_error_by_name_wherever_that_is) {
-    const RunningSeaPtr sea = running_sea("[foam]\nthreshold = 0.8\ndecay_s = 0\n");
-    ASSERT_GE(sea->realization->cascades.size(), 2u);
-    const std::vector<KeyframeRequest> both{{0, 40'000'000, {Field::foam}},
-                                            {1, 40'000'000, {Field::foam}}};
-    int lost = 0;
-    for (int call = 1; call <= 12; ++call) {
-        const auto device = RebuiltSynthesizer::start(
-            [](const sea::RealizationPtr& waves,
-               std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
-                gpu::fault::disarm();
-                SEAWAY_TRY_LET(std::unique_ptr<Synthesizer> one, made_on(On::vulkan));
-                SEAWAY_TRY(one->set_sea(waves, epoch));
-                return one;
-            },
-            sea->realization, 1, {});
-        ASSERT_TRUE(device);
-        FoamMaps foam(std::make_shared<SeaCourse>(sea));
-        gpu::fault::arm(call, VK_ERROR_DEVICE_LOST, true);
-        const auto first = foam.synthesize(**device, both);
-        gpu::fault::disarm();
-        lost += first ? 0 : 1;
-        if (!first) {
-            EXPECT_TRUE(first.error().is(DeviceError::foam_lost)) << first.error().message;
-        }
-        EXPECT_TRUE(foam.synthesize(**device, both)) << call;
-    }
-    EXPECT_GT(lost, 0);
-}
-
-// Who asked waits for a start, and gets what a server gives that was never disturbed.
-TEST(FoamLost, in_a_server_is_walked_for_anew_for_who_asked) {
-    const Demand foam{1u, {Field::foam}};
-    Bench bench(steady), calm(steady);
-    ASSERT_TRUE(bench.fetch({10 * second_us}, foam));
-    *bench.failures = 1;
-    const auto after = bench.fetch({12 * second_us}, foam);
-    ASSERT_TRUE(after) << after.error().message;
-    EXPECT_EQ(bench.simulation->counters().device_rebuilds, 1u);
-    const auto never = calm.fetch({12 * second_us}, foam);
-    ASSERT_TRUE(never);
-    ASSERT_EQ(after->size(), never->size());
-    for (std::size_t i = 0; i < after->size(); ++i)
-        EXPECT_TRUE(
-            std::ranges::equal((*after)[i]->plane(Field::foam), (*never)[i]->plane(Field::foam)));
-}
-
-// Naive: a core that tries again and again, and says nothing.
-TEST(FoamStarts, without_memory_wait_and_say_so_and_then_start) {
-    Bench bench(steady);
-    bench.now_us = 10 * second_us;
-    constexpr int plenty = 1'000'000;
-    bench.no_memory = plenty;
-    bench.subscriptions.set(1, {1u, {Field::foam}});
-    EXPECT_TRUE(tests::eventually([&] { return bench.warnings > 0; }));
-    std::this_thread::sleep_for(2 * StreamedFoam::pause);
-    EXPECT_LT(plenty - bench.no_memory, 40) << "a start a pause, and what is due of the stream";
-    bench.no_memory = 0;
-    const auto there = bench.fetch_current({1u, {Field::foam}});
-    ASSERT_FALSE(there.empty());
-    EXPECT_TRUE(there[0]->fields.contains(Field::foam));
 }
 
 } // namespace

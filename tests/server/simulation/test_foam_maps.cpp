@@ -85,7 +85,10 @@ TEST(FoamMaps, scenes_without_a_wind_that_whitens_have_no_foam) {
         const Result<sea::Scene> scene =
             sea::read_scene(std::string(SEAWAY_SOURCE_DIR "/scenes/") + name + ".toml");
         ASSERT_TRUE(scene) << scene.error().message;
-        EXPECT_TRUE((*make_running_sea(*scene, 1))->foam_law->calm()) << name;
+        const RunningSeaPtr sea = *make_running_sea(*scene, 1);
+        EXPECT_TRUE(sea->foam_law->calm()) << name;
+        EXPECT_EQ(FoamMaps(steady_course(sea)).ticks_to(0, 50'000'000), 0)
+            << name << ": nor a history that would have to start";
     }
 }
 

@@ -18,7 +18,8 @@ using sea::FieldSet;
 
 constexpr FieldSet two_fields{Field::height, Field::height_rate};
 constexpr std::size_t two_a_second = 3;
-static_assert(rate_rungs_hz[two_a_second] == 2.0);
+constexpr std::size_t one_a_second = 4;
+static_assert(rate_rungs_hz[two_a_second] == 2.0 && rate_rungs_hz[one_a_second] == 1.0);
 /// Of a session that takes two keyframes a second.
 constexpr Demand rare_demand() {
     return {.cascades = 3u,
@@ -35,12 +36,12 @@ std::shared_ptr<SeaCourse> course_with_a_change() {
     return course;
 }
 
-EffectPlan plan_of(const RunningSea& sea, bool all, bool rare) {
+EffectPlan plan_of(const RunningSea& sea, bool all, bool rare, std::size_t rate = two_a_second) {
     EffectPlan plan;
     for (const sea::CascadeBudget& cascade : sea.budget.cascades) {
         CascadePlan one{all ? two_fields : FieldSet{}, cascade.interval_us, 0};
         if (rare)
-            one.rarer[two_a_second] = two_fields;
+            one.rarer[rate] = two_fields;
         plan.cascades.push_back(one);
     }
     return plan;
@@ -72,9 +73,9 @@ std::multimap<Key, Came> stream(const SeaCourse& course, bool all, bool rare) {
     return out;
 }
 
-TimeUs rare_interval_us(const RunningSea& sea, int cascade) {
+TimeUs rare_interval_us(const RunningSea& sea, int cascade, std::size_t rate = two_a_second) {
     const auto& budget = sea.budget.cascades[static_cast<std::size_t>(cascade)];
-    return sea::every_for(budget, 2.0) * budget.interval_us;
+    return sea::every_for(budget, rate_rungs_hz[rate]) * budget.interval_us;
 }
 
 // Naive: every k-th of a stream that is one interval ahead: for k - 1 intervals its reader has nothing behind now.
@@ -121,6 +122,48 @@ TEST(ScheduleRates, the_stream_of_all_keyframes_is_the_same_whoever_takes_fewer)
         const auto same = beside.find(a->first);
         ASSERT_NE(same, beside.end());
         EXPECT_EQ(same->second, a->second.at_us);
+    }
+}
+
+// Naive: the stream of the sea that never begins goes on where it is, ahead of the beginning of the one that takes over: for an
+// interval, a second, its reader has nothing behind now.
+TEST(ScheduleRates, who_takes_fewer_has_those_of_a_change_that_takes_over_from_one_to_come) {
+    for (int c = 0; c < 2; ++c) {
+        const auto course =
+            SeaCourse::begin(*sea::parse_scene(small_sea, "small_sea", ".")).value();
+        const RunningSeaPtr first = course->first();
+        sea::Scene other = first->scene;
+        std::get<sea::WindSea>(other.sea.systems[0]).wind_speed_10m_mps = 5.0;
+        const TimeUs rare_us = rare_interval_us(*first, c, one_a_second);
+        const TimeUs never_us = interval_start(10'000'000, rare_us); // a keyframe lies there
+        ASSERT_TRUE(course->add(other, never_us, never_us + 30'000'000));
+        // That keyframe is out by then, and the change begins an interval of all keyframes and the lead later.
+        const TimeUs now_us = never_us - rare_us - 200'000, start_us = never_us - rare_us / 3;
+        const TimeUs all_us = first->budget.cascades[static_cast<std::size_t>(c)].interval_us;
+        ASSERT_GT(start_us, now_us + all_us + publish_lead_us);
+        Schedule schedule(*course);
+        const EffectPlan plan = plan_of(*first, false, true, one_a_second);
+        std::map<Key, TimeUs> out;
+        const auto take = [&](TimeUs from_us, TimeUs until_us) {
+            for (TimeUs at_us = from_us; at_us <= until_us; at_us += 20'000)
+                for (Schedule::Due due; !(due = schedule.take_due(plan, at_us)).keyframes.empty();)
+                    for (const KeyframeRequest& one : due.keyframes)
+                        out.emplace(Key(one.cascade, one.epoch, one.time_us), at_us);
+        };
+        take(0, now_us);
+        ASSERT_TRUE(out.contains({c, 1, never_us}));
+        ASSERT_TRUE(course->add(other, start_us, start_us + 30'000'000));
+        take(now_us, 15'000'000);
+        for (TimeUs t_us = start_us; t_us < 14'000'000; t_us += 7'001) {
+            const RunningSeaPtr sea = course->at(t_us);
+            const TimeUs interval_us = rare_interval_us(*sea, c, one_a_second);
+            const TimeUs before_us = interval_start(t_us, interval_us);
+            for (const TimeUs k_us : {before_us, before_us + interval_us}) {
+                const auto found = out.find({c, sea->epoch, k_us});
+                ASSERT_NE(found, out.end()) << c << ' ' << sea->epoch << ' ' << k_us;
+                EXPECT_LE(found->second, t_us) << k_us;
+            }
+        }
     }
 }
 

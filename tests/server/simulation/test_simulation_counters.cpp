@@ -6,6 +6,7 @@
 #include "sea/scene/scene_warnings.h"
 #include "sea/surface/below.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -166,7 +167,7 @@ TEST(SimulationCounters, count_each_keyframe_of_every_cascade_that_was_published
 }
 
 // Shares of what was measured add up to it, whatever was asked for together; each effect has those of its
-// own fields. A strain is not a field that takes one transform: the Jacobian has three.
+// own fields: what is counted by transforms, time by what they weigh. The Jacobian has three strains.
 TEST(SimulationCounters, shares_of_effects_follow_the_transforms_and_add_up_to_the_whole) {
     EffectCosts costs({64, 32, 16});
     const double weights[] = {64.0 * 64 * 6, 32.0 * 32 * 5, 16.0 * 16 * 4};
@@ -180,35 +181,137 @@ TEST(SimulationCounters, shares_of_effects_follow_the_transforms_and_add_up_to_t
         {{1, 1, {Field::height, Field::displacement_y, Field::displacement_y_rate}}, 1, 2, 0, 0},
         {{2, 2, {Field::strain_xx, Field::strain_xy, Field::slope_y}}, 0, 0, 1, 2}};
     std::vector<KeyframeRequest> requests;
-    double whole = 0;
+    double whole = 0, transforms = 0;
     for (const Row& row : rows) {
         requests.push_back(row.request);
-        whole +=
-            (row.height + row.choppy + row.slopes + row.gradient) * weights[row.request.cascade];
+        const double own = row.height + row.choppy + row.slopes + row.gradient;
+        transforms += own;
+        whole += own * weights[row.request.cascade];
     }
-    EXPECT_EQ(costs.predicted_seconds(1, {Field::height}), 0) << "nothing was measured yet";
+    ASSERT_EQ(transforms, 14);
+    EXPECT_EQ(costs.predicted_seconds(1, 0, {Field::height}), 0) << "nothing was measured yet";
     costs.add(requests, {.dispatches = 8, .transforms = 14, .keyframes = 4, .device_seconds = 3});
     costs.add({}, {.dispatches = 99, .transforms = 99, .keyframes = 99, .device_seconds = 99});
     for (std::size_t c = 0; c < 3; ++c) {
-        double share[4] = {}, keyframes[4] = {};
+        double own[4] = {}, keyframes[4] = {};
         for (const Row& row : rows)
             if (row.request.cascade == static_cast<int>(c)) {
                 const double of[] = {row.height, row.choppy, row.slopes, row.gradient};
                 for (std::size_t e = 0; e < 4; ++e) {
-                    share[e] += of[e] * weights[c] / whole;
+                    own[e] += of[e];
                     keyframes[e] += of[e] > 0;
                 }
             }
         for (std::size_t e = 0; e < 4; ++e) {
             const EffectCost& cost = costs.cost(c, e);
-            EXPECT_NEAR(cost.dispatches, 8 * share[e], 1e-12) << c << ' ' << e;
-            EXPECT_NEAR(cost.transforms, 14 * share[e], 1e-12) << c << ' ' << e;
-            EXPECT_NEAR(cost.device_seconds, 3 * share[e], 1e-12) << c << ' ' << e;
+            EXPECT_NEAR(cost.dispatches, 8 * own[e] / 14, 1e-12) << c << ' ' << e;
+            EXPECT_NEAR(cost.transforms, own[e], 1e-12) << "of small tiles, too" << c << ' ' << e;
+            EXPECT_NEAR(cost.device_seconds, 3 * own[e] * weights[c] / whole, 1e-12)
+                << c << ' ' << e;
             EXPECT_EQ(static_cast<double>(cost.keyframes), keyframes[e]) << c << ' ' << e;
         }
-        EXPECT_NEAR(costs.predicted_seconds(c, {Field::jacobian, Field::slope_x}),
-                    4 * weights[c] * 3 / whole, 1e-12);
+        const FieldSet both{Field::jacobian, Field::slope_x};
+        EXPECT_NEAR(costs.predicted_seconds(c, 2, both), weights[c] * 3 / whole, 1e-12);
+        EXPECT_NEAR(costs.predicted_seconds(c, 3, both), 3 * weights[c] * 3 / whole, 1e-12);
     }
+}
+
+// Naive: strains are charged for the gradient, for its Jacobian and for foam, and others have a smaller share the more
+// there is of that.
+TEST(SimulationCounters, strains_are_transformed_once_and_shared_by_those_who_stand_on_them) {
+    const FieldSet height{Field::height, Field::height_rate};
+    const FieldSet gradient = sea::strain_fields | FieldSet{Field::jacobian};
+    sea::FoamTick tick{};
+    tick.source = 1; // it looks at strains
+    const FoamTurn turn{nullptr, tick, {}};
+    const auto transforms = [&](FieldSet fields, const FoamTurn* foam) {
+        EffectCosts costs({64});
+        const KeyframeRequest request{0, 0, fields, 1, foam};
+        const auto all = static_cast<std::uint64_t>(
+            transforms_for(foam && foam->looks(fields) ? fields | FieldSet{Field::foam} : fields));
+        costs.add({&request, 1}, {.transforms = all});
+        std::vector<double> each;
+        for (std::size_t e = 0; e < effect_table().size(); ++e)
+            each.push_back(costs.cost(0, e).transforms);
+        return each;
+    };
+    using Each = std::vector<double>; // height, choppy, slopes, gradient, foam
+    const FieldSet foam{Field::foam};
+    EXPECT_EQ(transforms(height | gradient, nullptr), (Each{2, 0, 0, 3, 0}));
+    EXPECT_EQ(transforms(height | foam, &turn), (Each{2, 0, 0, 0, 3}));
+    EXPECT_EQ(transforms(height | gradient | foam, &turn), (Each{2, 0, 0, 1.5, 1.5}));
+    EXPECT_EQ(transforms(height | FieldSet{Field::strain_xx} | foam, &turn),
+              (Each{2, 0, 0, 0.5, 2.5}));
+    EXPECT_EQ(transforms({}, &turn), (Each{0, 0, 0, 0, 3})) << "a tick alone";
+    const FoamTurn calm{};
+    EXPECT_EQ(transforms(height, &calm), (Each{2, 0, 0, 0, 0}));
+}
+
+TEST(SimulationCounters, a_keyframe_of_foam_is_predicted_with_its_step_and_a_tick_is_none) {
+    EffectCosts costs({64, 32});
+    sea::FoamTick tick{};
+    tick.source = 1;
+    const FoamTurn looks{nullptr, tick, {}}, calm{};
+    const FieldSet fields{Field::height, Field::foam};
+    const KeyframeRequest keyframe{0, 1, fields, 1, &looks}, ticked{0, 0, {}, 1, &looks};
+    // Twice a step of 64 x 64 and seven transforms of them.
+    const KeyframeRequest both[] = {ticked, keyframe};
+    costs.add(both, {.transforms = 7, .device_seconds = 7, .foam_seconds = 2});
+    constexpr std::size_t height_effect = 0, foam_effect = 4;
+    EXPECT_EQ(costs.cost(0, foam_effect).keyframes, 1u);
+    EXPECT_DOUBLE_EQ(costs.cost(0, foam_effect).device_seconds, 6 + 2);
+    EXPECT_DOUBLE_EQ(costs.predicted_seconds(0, height_effect, fields), 1);
+    EXPECT_DOUBLE_EQ(costs.predicted_seconds(0, foam_effect, fields), 3 + 1);
+    // A quarter of the points, and five sixths of that for transforms.
+    EXPECT_DOUBLE_EQ(costs.predicted_seconds(1, foam_effect, fields), 3 * 0.25 * 5 / 6 + 0.25);
+    // Where it has been calm so far it looks at nothing.
+    const KeyframeRequest of_calm{1, 1, fields, 1, &calm};
+    costs.add({&of_calm, 1}, {});
+    EXPECT_EQ(costs.cost(1, foam_effect).keyframes, 1u);
+    EXPECT_EQ(costs.cost(1, foam_effect).transforms, 0);
+    EXPECT_DOUBLE_EQ(costs.predicted_seconds(1, foam_effect, fields),
+                     2.0 / (2 * 64 * 64 + 32 * 32) * 32 * 32);
+}
+
+// Naive: a question about now makes again what the stream has just made.
+TEST(SimulationCounters, a_question_about_now_makes_what_the_stream_has_not) {
+    Bench bench("[foam]\nthreshold = 0.8\ndecay_s = 1\n");
+    const FieldSet streamed{Field::height, Field::height_rate, Field::slope_x, Field::slope_y,
+                            Field::foam};
+    bench.subscriptions.set(1, {3u, streamed});
+    const auto counted = [&] { return bench.simulation->counters().synthesis; };
+    while (bench.times(0).empty() || !bench.published.back()->fields.contains(Field::foam))
+        bench.advance(bench.sea->budget.cascades[1].interval_us);
+    bench.settle();
+    for (const sea::KeyframePtr& keyframe : bench.published)
+        EXPECT_TRUE(streamed.contains(keyframe->fields)) << "no strains that foam looked at";
+    (void)bench.fetch({bench.now_us}, {3u, streamed}); // whatever foam started with
+    const SynthesisCounters before = counted();
+    const TimeUs now_us = bench.now_us;
+    (void)bench.answer({{1.0, 2.0, now_us}});
+    // Height and its rate are there: four maps of sideways motion for each of the two keyframes of two cascades.
+    EXPECT_EQ(counted().transforms - before.transforms, 4u * 2 * 2);
+    EXPECT_EQ(counted().foam_ticks, before.foam_ticks);
+    const auto joined = bench.fetch({now_us}, {3u, streamed | sea::surface_fields});
+    ASSERT_TRUE(joined);
+    EXPECT_EQ(counted().transforms - before.transforms, 4u * 2 * 2) << "all of it is held";
+    Bench alone;
+    const auto made =
+        alone.fetch({now_us}, {3u, streamed.without({Field::foam}) | sea::surface_fields});
+    ASSERT_TRUE(made);
+    for (std::size_t i = 0; i < made->size(); ++i)
+        for (const Field field : (*made)[i]->fields)
+            EXPECT_TRUE(std::ranges::equal((*joined)[i]->plane(field), (*made)[i]->plane(field)))
+                << sea::info(field).name;
+}
+
+TEST(SimulationCounters, a_plan_is_not_idle_while_what_a_question_made_is_held) {
+    Bench bench;
+    EXPECT_TRUE(bench.simulation->plan().idle());
+    (void)bench.answer({{1.0, 2.0, 0}});
+    EXPECT_FALSE(bench.simulation->plan().idle());
+    EXPECT_TRUE(tests::eventually([&] { return bench.simulation->plan().idle(); }))
+        << "nobody has asked since";
 }
 
 // The thread sleeps until the first keyframe of any cascade is due, not until the last.

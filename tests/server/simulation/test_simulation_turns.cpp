@@ -56,7 +56,7 @@ TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none)
     Bench bench(long_foam);
     bench.subscriptions.set(1, {1u, heights});
     bench.settle();
-    const std::uint64_t before = bench.simulation->counters().synthesis.keyframes;
+    const std::uint64_t before = bench.simulation->counters().synthesis.foam_ticks;
     std::promise<std::vector<sea::KeyframePtr>> fetched;
     std::promise<std::uint64_t> made_at_answer;
     std::promise<std::size_t> streamed_at_answer;
@@ -70,7 +70,8 @@ TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none)
         bench.simulation->fetch(
             {0}, {3u, sea::surface_fields},
             [&](const auto&) {
-                made_at_answer.set_value(bench.simulation->counters().synthesis.keyframes - before);
+                made_at_answer.set_value(bench.simulation->counters().synthesis.foam_ticks -
+                                         before);
                 streamed_at_answer.set_value(bench.times(0).size());
             },
             someone);
@@ -80,7 +81,7 @@ TEST(Turns, foam_that_starts_delays_no_question_and_no_stream_of_who_wants_none)
     EXPECT_LT(made_at_answer.get_future().get(), 2 * 128u + 10);
     EXPECT_EQ(streamed_at_answer.get_future().get(), 2u) << "on time, without foam";
     const std::vector<sea::KeyframePtr> current = fetched.get_future().get();
-    const std::uint64_t made = bench.simulation->counters().synthesis.keyframes - before;
+    const std::uint64_t made = bench.simulation->counters().synthesis.foam_ticks - before;
     EXPECT_GE(made, static_cast<std::uint64_t>(sea::foam_ticks_max))
         << "the start is as long as it was thought to be";
     EXPECT_LT(made, static_cast<std::uint64_t>(sea::foam_ticks_max + sea::foam_ticks_max / 2))
@@ -128,7 +129,7 @@ TEST(Turns, fetches_with_foam_far_apart_are_all_made_and_none_starts_over_for_an
                 << "a start is the same start, in however many slices";
     }
     // Each a start, what lies between two keyframes, and the two themselves.
-    EXPECT_LE(bench.simulation->counters().synthesis.keyframes,
+    EXPECT_LE(bench.simulation->counters().synthesis.foam_ticks,
               times_us.size() * (sea::foam_ticks_max + 20));
 }
 
@@ -170,7 +171,7 @@ TEST(Turns, a_newcomer_to_foam_waits_for_no_fetch_of_foam_far_away) {
 // Where the stream has walked to, nobody walks again: neither who starts there nor who asks about now.
 TEST(Turns, one_walk_to_now_serves_the_stream_the_starts_and_the_questions) {
     Bench bench(long_foam);
-    const auto made = [&] { return bench.simulation->counters().synthesis.keyframes; };
+    const auto made = [&] { return bench.simulation->counters().synthesis.foam_ticks; };
     const auto starts_left = [&](const auto& ask) {
         const std::uint64_t before = made();
         EXPECT_TRUE(ask());
@@ -234,7 +235,7 @@ TEST(Turns, a_keyframe_with_fewer_fields_that_is_made_later_replaces_none_with_m
                                 less.set_value(all.has_value());
                             }),
                             someone);
-    while (bench.simulation->counters().synthesis.keyframes == 0)
+    while (bench.simulation->counters().synthesis.foam_ticks == 0)
         std::this_thread::yield();
     bench.simulation->fetch_current({1u, with_foam}, whole([&](const auto& all) {
                                         more_made = true;
@@ -272,7 +273,7 @@ TEST(Turns, what_effects_cost_together_is_time_that_has_passed_once) {
 // What the stream shares is no use to who is half-way to somewhere else.
 TEST(Turns, a_walk_of_foam_to_far_away_goes_on_where_it_was_though_foam_starts_for_the_stream) {
     Bench bench(long_foam);
-    const auto made = [&] { return bench.simulation->counters().synthesis.keyframes; };
+    const auto made = [&] { return bench.simulation->counters().synthesis.foam_ticks; };
     const auto ticks = static_cast<std::uint64_t>(sea::foam_ticks_max);
     std::promise<bool> far;
     {
