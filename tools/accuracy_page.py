@@ -12,7 +12,7 @@ speaks of the native one, each other adds its headline plot. Pictures need pytho
 python3-matplotlib), the text (--text) does not. tools/check_accuracy.py holds that page and pictures are of
 the measurements beside them.
 
-To measure all of it again, on a quiet machine (2 cores: 15 minutes; with --points 512 --times 8 in each command 4):
+To measure all of it again, on a quiet machine (2 cores: some 20 minutes; with --points 512 --times 8 in each command 5):
 
     build/dev/bin/seaway-bench accuracy --quick --points 4096 --times 32 --out out/bench/accuracy
     build/dev/bin/seaway-server scenes/north_sea_gale.toml --listen 127.0.0.1:9431 & sleep 5
@@ -56,6 +56,9 @@ LAWS = [
     ("K14", "latency", "answers of a while ago", 0),
     ("", "combination", "grid, interval and codec together", 0),
 ]
+
+# Which measurement says what a key of a scene's [accuracy] costs, by the names of tools/bench/accuracy/knobs.cpp.
+MEASURED_BY = {"preset": "named", "height_error_m": "combination", "certificate": ""}
 
 HEADLINE = """\
 In a gale the balanced preset is off by {{BALANCED_P99}} at the 99th percentile, and the waves that its grid leaves out carry
@@ -218,8 +221,60 @@ def octave_table(run, value="balanced", knob="named"):
         if metric.startswith("energy_pct@"):
             k = float(metric.split("@")[1])
             phase = figures[f"phase_rad@{metric.split('@')[1]}"][0]
-            rows.append([f"{6.283 / (2 * k):.3g} to {6.283 / k:.3g}", f"{figure[0]:.2g}", f"{phase:.1g}"])
-    return table(["wavelength, m", "energy, %", "phase, rad"], rows)
+            worst = figures.get(f"energy_worst_pct@{metric.split('@')[1]}", [None])[0]
+            rows.append([f"{6.283 / (2 * k):.3g} to {6.283 / k:.3g}", f"{figure[0]:.2g}", number(worst), f"{phase:.1g}"])
+    return table(["wavelength, m", "energy, %", "at the worst moment, %", "phase, rad"], rows)
+
+
+def octave_moments(run):
+    """Of figures from before there were several moments: at which they were."""
+    several = any(metric.startswith("energy_worst_pct@") for metric in run.trials.get((GALE, "named", "balanced"), {}))
+    return ", over a whole interval between keyframes" if several else \
+        ", at one moment, which was a keyframe of the shortest tile: between keyframes its waves lose more"
+
+
+def rung_table(run):
+    rows = []
+    for value in run.values(GALE, "rung"):
+        get = lambda metric: run.figure(GALE, "rung", value, metric)
+        rows.append([value, metres(get("rms_m")), metres(get("p99_m")), number(get("slope_rms")),
+                     *(number(get(metric) * scale) if get("bytes_per_s") else "-"
+                       for metric, scale in (("bytes_per_s", 8e-6), ("encode_ms_per_s", 1), ("decode_ms_per_s", 1))),
+                     number(get("query_ns") / 1e3)])
+    return table(["", "rms", "p99", "slope rms", "Mbit/s", "encoding, ms/s", "a client's taking, ms/s", "an answer, us"], rows)
+
+
+def stream_form(run):
+    """Of what its streams are."""
+    if "predicted tiles" in run.values(GALE, "rung"):
+        return "Streams are of heights and their rates as differences to what follows from the keyframe before, which is what all of our clients take."
+    return "Streams are of whole maps of six fields, each coded alone: what our clients take (`seaway-bench line`) is a hundredth of that."
+
+
+def ratio(run, metric, first, second):
+    """Of two trials in the gale, each (knob, value)."""
+    return run.figure(GALE, *first, metric) / run.figure(GALE, *second, metric)
+
+
+def ratio_words(run):
+    """What the text says of one thing beside another."""
+    bilinear, spline = (lambda size, rule=rule: ("grid", f"{rule}@{size}") for rule in ("bilinear", "spline"))
+    gain = lambda rule: ratio(run, "rms_m", rule(64), rule(512)) ** (1 / 3)
+    stream = lambda name: ratio(run, "bytes_per_s", ("named", name), ("named", "balanced"))
+    choppy = lambda factor: ("choppiness", f"factor@{factor}")
+    errors = [run.figure(GALE, *choppy(factor), "rms_m") for factor in ("0", "0.5", "1", "1.5")]
+    return {
+        "SPLINE_GAIN": number(gain(spline)), "BILINEAR_GAIN": number(gain(bilinear)),
+        "BILINEAR_ERROR": number(ratio(run, "rms_m", bilinear(64), spline(64))),
+        "BILINEAR_MEMORY": number(ratio(run, "memory_mb", bilinear(64), spline(64))),
+        "BILINEAR_FINE_ERROR": number(ratio(run, "rms_m", bilinear(256), spline(64))),
+        "BILINEAR_FINE_MEMORY": number(ratio(run, "memory_mb", bilinear(256), spline(64))),
+        "FAST_SHARE": number(stream("fast")), "PRECISE_TIMES": number(stream("precise")),
+        "CHOPPY_TIMES": number(ratio(run, "query_ns", choppy("1"), choppy("0"))),
+        "FOLDING_TIMES": number(ratio(run, "query_ns", choppy("1.5"), choppy("0"))),
+        "CHOPPY_SPREAD": number(100 * (max(errors) / min(errors) - 1)),
+        "SUM_ALONE": number(run.figure(GALE, "batch", "exact, one thread@1", "batch_ns") / 1e3),
+    }
 
 
 def device_table(run):
@@ -269,6 +324,7 @@ def words(all_runs):
     get = lambda name, metric: run.figure(GALE, "named", name, metric)
     loose = lambda metric: run.figure(GALE, "combination", "256@0.1", metric)
     return {
+        **ratio_words(run), "STREAM_FORM": stream_form(run), "OCTAVE_MOMENTS": octave_moments(run), "RUNGS": rung_table(run),
         "WAYS": ways_table(run), "STATES": states_table(run), "LAWS": law_table(run),
         "FORMATS": format_table(run), "OCTAVES": octave_table(run), "DEVICES": device_table(run),
         "BATCHES": batch_table(run), "BATCH_DIFFERENCE": batch_difference(run),

@@ -2,6 +2,7 @@
 """Fails where docs/accuracy.md, its sentence in README.md or its pictures do not show the measurements in docs/accuracy.
 """
 import struct
+import subprocess
 import sys
 
 from accuracy_page import DATA, MAIN, PAGE, PICTURES, README, digest, page, readme, runs
@@ -20,6 +21,13 @@ def description(path):
     return ""
 
 
+def age():
+    """In words, how old the measurements are; nothing where no history is at hand."""
+    commit = runs()[0].place["commit"]
+    counted = subprocess.run(["git", "-C", str(ROOT), "rev-list", "--count", f"{commit}..HEAD"], capture_output=True, text=True, check=False)
+    return f", measured {counted.stdout.strip()} commits ago" if counted.returncode == 0 else ""
+
+
 def main():
     problems = [f"docs/accuracy/{name} is not there" for name in (f"{MAIN}.csv", "error_map.csv", "note.txt")
                 if not (DATA / name).exists()]
@@ -32,7 +40,7 @@ def main():
             problems.append(f"README.md, the sentence of docs/accuracy.md, is out of date: {again}")
         problems += [f"docs/pictures/{path.name} is out of date: {again}" for path in sorted(PICTURES.glob("accuracy_*.png"))
                      if description(path) != f"docs/accuracy {digest()}"]
-    return report(problems, "accuracy: page and pictures show what docs/accuracy holds")
+    return report(problems, "accuracy: page and pictures show what docs/accuracy holds" + ("" if problems else age()))
 
 
 if __name__ == "__main__":

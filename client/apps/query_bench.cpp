@@ -18,17 +18,7 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr std::chrono::seconds duration{2};
-constexpr double reach_m = 10e3;
 constexpr int in_flight_many = 8;
-
-std::vector<sea::QueryPoint> random_points(int count, sea::TimeUs time_us) {
-    std::mt19937_64 random(1);
-    std::uniform_real_distribution<double> place(-reach_m, reach_m);
-    std::vector<sea::QueryPoint> points;
-    for (int i = 0; i < count; ++i)
-        points.push_back({place(random), place(random), time_us});
-    return points;
-}
 
 double milliseconds_since(steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
@@ -53,7 +43,7 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
         std::optional<Error> problem;
     };
     const auto progress = std::make_shared<Progress>();
-    std::vector<sea::QueryPoint> points = random_points(options.bench_points, 0);
+    BenchPoints drawn(options.bench_points);
     const auto start = steady_clock::now();
     std::unique_lock lock(progress->mutex);
     while (!progress->problem) {
@@ -62,9 +52,7 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
             break;
         ++progress->under_way;
         lock.unlock();
-        const sea::TimeUs now_us = client.now_us();
-        for (sea::QueryPoint& point : points)
-            point.time_us = now_us;
+        const std::span<const sea::QueryPoint> points = drawn.next(client.now_us());
         const auto sent = steady_clock::now();
         const auto answered = [progress, sent](const Result<Reply>& reply) {
             const std::scoped_lock inner(progress->mutex);
@@ -90,18 +78,17 @@ Result<BenchRow> measure_server(Client& client, const QueryOptions& options, int
 
 Result<BenchRow> measure_local(Client& client, const QueryOptions& options,
                                const std::atomic<bool>& stop) {
-    std::vector<sea::QueryPoint> points = random_points(options.bench_points, client.now_us());
+    BenchPoints drawn(options.bench_points);
     const bool waves = options.source != Source::tiles;
-    if (!waves)
-        SEAWAY_TRY(client.fetch_and_sample(points, options.timeout_s));
     std::vector<double> round_trips_ms;
     const auto start = steady_clock::now();
     do {
-        const sea::TimeUs now_us = client.now_us();
-        for (sea::QueryPoint& point : points)
-            point.time_us = waves ? now_us : point.time_us;
+        const std::span<const sea::QueryPoint> points = drawn.next(client.now_us());
         const auto sent = steady_clock::now();
-        if (const Result<std::vector<sea::Answer>> answers = client.sample(points); !answers)
+        // Of tiles what is streamed too late is fetched, as a watch does.
+        const Result<std::vector<sea::Answer>> answers =
+            waves ? client.sample(points) : client.fetch_and_sample(points, options.timeout_s);
+        if (!answers)
             return answers.error();
         round_trips_ms.push_back(milliseconds_since(sent));
     } while (!stop && steady_clock::now() - start < duration);
@@ -110,6 +97,18 @@ Result<BenchRow> measure_local(Client& client, const QueryOptions& options,
 }
 
 } // namespace
+
+BenchPoints::BenchPoints(int count) : points_(static_cast<std::size_t>(count)) {}
+
+std::span<const sea::QueryPoint> BenchPoints::next(sea::TimeUs now_us) {
+    constexpr double reach_m = 10e3;
+    std::uniform_real_distribution<double> place(-reach_m, reach_m);
+    for (sea::QueryPoint& point : points_) {
+        const double x_m = place(random_);
+        point = {x_m, place(random_), now_us};
+    }
+    return points_;
+}
 
 Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,
                        std::FILE* out) {

@@ -41,7 +41,7 @@ PAGE = SOURCE / "docs/operations.md"
 BEGIN, END = "<!-- sizes: tests/load/fleet_model.py --write -->", "<!-- end of sizes -->"
 SCENE = SOURCE / "scenes/north_sea_gale.toml"
 SECONDS = 15
-SESSIONS_MOST = 4000  # of one server, here
+SESSIONS_MOST = 4000  # of one server, here: silent ones; of readers docs/fleet/runs.csv holds fewer
 NETWORK_CORES = 0.5   # of its one network thread that a plan uses: the rest is for who comes back at once
 ASKS = 1.0            # single points a second of each client of the plan
 KINDS = ["predicted", "compact", "whole"]
@@ -105,6 +105,9 @@ class Plan:
         self.busiest_cores, self.cores = network(share), self.servers * cores(share)
         self.gbit_a_s = 8e-3 * each["mb_a_s"] * clients
         self.clients = clients
+        # What a server of the plan is asked for over the most of it that one run has held: above 1 it is the model's word alone.
+        self.beyond = {what: (clients / self.servers if what == "readers" else share[what]) / max(run[what] for run in considered)
+                       for what, considered in (("sessions", runs), ("readers", alike), ("mb_a_s", runs), ("asks_a_s", runs))}
 
 
 def constant(name):
@@ -307,6 +310,19 @@ def measure(build):
     write(NATS, "fleet_model.py --measure: all messages and bytes through nats-server, in and out, nobody changes the sea", rows)
 
 
+def beyond_words(runs, plans):
+    """Where plans ask more of a server than has been measured."""
+    silent = max(run["sessions"] for run in runs if not run["kind"])
+    readers = {kind: max(run["readers"] for run in runs if run["kind"] == kind) for kind, *_ in MIXED}
+    most = {kind: max((plan for of, plan in plans if of == kind), key=lambda plan: plan.beyond["readers"]) for kind in readers}
+    asked = max(run["asks_a_s"] for run in runs)
+    return (f"**What of that was measured.** {silent:.0f} sessions of one server were silent ones, which ping once a second; "
+            + " and ".join(f"{count:.0f} {kind}" for kind, count in readers.items()) + " readers are the most that one server had, and "
+            f"{asked:.0f} questions a second. A server of this table has up to "
+            + " and ".join(f"{plan.beyond['readers']:.0f} times as many {kind} readers" for kind, plan in most.items())
+            + f", and {max(plan.beyond['asks_a_s'] for plan in most.values()):.1f} times the questions: there it is the sum above that says so, and nothing else.")
+
+
 def page():
     runs, engine = read(RUNS), Engine(read(NATS), read(WORDS))
     alone, mixed = of_place(runs, "alone"), [run for run in runs if run["place"] != "alone"]
@@ -337,6 +353,7 @@ def page():
     lines += ["", f"Of NATS: what servers ask of the log was measured with one to {max(SERVERS)} of them, where the messages are within {off['messages_a_s']:.1f} % of the sum and the bytes "
               f"within {off['kilobytes_a_s']:.1f} %. What they say to each other once a second, {word_bytes(constant('peers_max'))} bytes at most from each to each, was said by up to "
               f"{max(SPEAKERS)} connections; the cores that it took are within {off['cores']:.0f} % of the sum. A server hears {constant('peers_max')} others at most."]
+    lines += ["", beyond_words(runs, plans)]
     room = Room()
     lines += ["", f"**A server takes {room.shipped} sessions unless it is told otherwise.** For the {max(plan.clients / plan.servers for _, plan in plans):.0f} of the table, and {room.told} where "
               f"others have failed: `sessions-max = {room.told}` and `connections-max = {room.connections}` in `deploy/fleet/fleet.toml`, where they stand as comments, and `maxconn {room.balanced}` in place of "

@@ -61,6 +61,15 @@ class APlan(unittest.TestCase):
                 self.assertLessEqual(plan.sessions, fleet_model.SESSIONS_MOST)
                 self.assertGreaterEqual(plan.servers * plan.sessions, clients)
 
+    def test_says_how_far_it_is_beyond_what_runs_have_held(self):
+        runs = runs_of()  # of 300 compact readers and 2000 questions a second at most
+        small, large = fleet_model.Plan(150, "compact", runs), fleet_model.Plan(1e5, "compact", runs)
+        self.assertAlmostEqual(small.beyond["readers"], 150 / small.servers / 300)
+        self.assertAlmostEqual(large.beyond["readers"], 1e5 / large.servers / 300)
+        self.assertAlmostEqual(large.beyond["asks_a_s"], fleet_model.ASKS * 1e5 / large.servers / 2000)
+        self.assertGreater(large.beyond["readers"], 10)
+        self.assertLessEqual(large.beyond["sessions"], 1)
+
     def test_is_of_servers_that_take_so_many_sessions_as_deploy_fleet_can_be_told(self):
         self.assertEqual(fleet_model.Room().told, fleet_model.SESSIONS_MOST)
 

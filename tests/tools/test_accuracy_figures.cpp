@@ -4,18 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sea/surface/budget/spending.h"
 #include "tests/support/folder.h"
 #include "tools/bench/accuracy/measure/batches.h"
 #include "tools/bench/accuracy/measure/measure.h"
 #include "tools/bench/accuracy/measure/metrics.h"
+#include "tools/bench/accuracy/measure/octaves.h"
 #include "tools/bench/accuracy/seas/half.h"
+#include "tools/bench/accuracy/seas/naive.h"
 #include "tools/bench/accuracy/seas/sea_states.h"
 #include "tools/bench/accuracy/seas/waves.h"
 #include "tools/bench/accuracy/truth/truth.h"
@@ -212,6 +217,43 @@ TEST(AccuracyFigures, intervals_are_by_whole_times) {
     EXPECT_NEAR(mean(apart).high, 0.049, 0.02);
 }
 
+// Naive: 800 points, of which 8 lie above the 99th percentile, as if they were independent. Where one time in sixteen is bad
+// at all of its points, so unsure is what 99 of 100 keep: it is drawn not at all in 36 % of all resamples.
+TEST(AccuracyFigures, the_99th_percentile_is_as_unsure_as_its_times_are_few) {
+    std::vector<Sample> one_bad, all_alike;
+    for (int time = 0; time < 16; ++time)
+        for (int i = 0; i < 50; ++i) {
+            one_bad.push_back(off_by(time == 7 ? 0.5 : 0.001 * i, 1.0, PointKind::anywhere, time));
+            all_alike.push_back(off_by(0.001 * i, 1.0, PointKind::anywhere, time));
+        }
+    const auto p99 = [](const std::vector<Sample>& samples) {
+        const std::vector<Figure> all = figures(samples, 1.0);
+        return *std::find_if(all.begin(), all.end(),
+                             [](const Figure& f) { return f.metric == "p99_m"; });
+    };
+    EXPECT_EQ(p99(one_bad).value, 0.5);
+    EXPECT_EQ(p99(one_bad).high, 0.5);
+    EXPECT_NEAR(p99(one_bad).low, 0.049, 1e-12) << "of the times that are alike";
+    for (const double same : {p99(all_alike).low, p99(all_alike).value, p99(all_alike).high})
+        EXPECT_NEAR(same, 0.049, 1e-12) << "they tell the same, however often each is drawn";
+}
+
+// What Hermite misses at a share s of an interval goes as (s (1 - s))^2, so that the mean of its square over times is what an
+// rms is made of: 1/630 over all of an interval. 15 % of it are 7 % of an rms. Naive: times within 2 s, which are some five
+// quarters of an interval of 1.6 s: half of it.
+TEST(SampleTimes, are_spread_evenly_over_each_interval_between_keyframes) {
+    constexpr int times = 32;
+    for (const sea::TimeUs interval_us : sea::keyframe_intervals_us) {
+        double sum = 0;
+        for (int i = 0; i < times; ++i) {
+            const double s = static_cast<double>(sample_time_us(i) % interval_us) /
+                             static_cast<double>(interval_us);
+            sum += std::pow(s * (1 - s), 4);
+        }
+        EXPECT_NEAR(630 * sum / times, 1.0, 0.15) << interval_us;
+    }
+}
+
 // Second differences: a shift, or a drift that is even, is no flicker; what comes and goes from frame to
 // frame by a is one of 4 a, and no point is told from the next one's frames.
 TEST(AccuracyFigures, flicker_is_what_comes_and_goes_between_frames) {
@@ -284,6 +326,71 @@ TEST(AccuracyFigures, seeds_that_share_times_take_each_time_once) {
     ASSERT_EQ(times.size(), 4u * 8);
     for (std::size_t i = 0; i < times.size(); ++i)
         EXPECT_EQ(times[i], static_cast<int>(i / 4));
+}
+
+/// A wave and the one that runs against it, as they are and as Hermite's weights have them between keyframes 1 s apart.
+struct TrueAndShown {
+    double truth = 0, shown = 0;
+};
+TrueAndShown energy(const sea::CascadeModes& modes, std::size_t index, double omega,
+                    sea::TimeUs start_us, double share) {
+    using Complex = std::complex<double>;
+    constexpr sea::TimeUs second = 1'000'000;
+    const auto size = static_cast<std::size_t>(modes.spec.size);
+    const std::size_t opposite = (size - index / size) % size * size + (size - index % size) % size;
+    const auto at = [&](sea::TimeUs time_us) {
+        const Complex turn = std::polar(1.0, -sea::phase_rad(modes.rate[index], time_us));
+        const Complex there = modes.h0[index] * turn, back = std::conj(modes.h0[opposite] * turn);
+        return std::pair(there + back, Complex(0, omega) * (back - there)); // and its rate
+    };
+    const sea::TimeUs now_us = start_us + sea::us_from_seconds(share);
+    const auto [before, rate_before] = at(start_us);
+    const auto [after, rate_after] = at(start_us + second);
+    const auto [v, rates] = time_weights(TimeRule::hermite, start_us, start_us + second, now_us);
+    return {std::norm(at(now_us).first),
+            std::norm(v[0] * before + v[1] * rate_before + v[2] * after + v[3] * rate_after)};
+}
+
+// Naive: energy at one moment, which may be a keyframe, where nothing is missed in time. Over an interval a wave is shown with
+// what Hermite's weights leave of it, and with least of it half way.
+TEST(Octaves, energy_is_of_the_whole_interval_and_at_worst_that_of_its_middle) {
+    Configuration configuration = small_tile();
+    configuration.interval_us = 1'000'000;
+    configuration.oversampling = 4; // so that a spline loses nothing
+    Devices devices;
+    const auto sea = ConfiguredSea::create(*sea_state("calm_shallow", 5), configuration, devices);
+    ASSERT_TRUE(sea) << sea.error().message;
+    const sea::TimeUs start_us = sample_time_us(1) - sample_time_us(1) % 1'000'000;
+    std::map<double, std::pair<TrueAndShown, TrueAndShown>>
+        expected; // by octave: of all, of the middle
+    const sea::CascadeModes& modes = (*sea)->waves().used->cascades[0];
+    const auto add = [](TrueAndShown& to, const TrueAndShown& more) {
+        to.truth += more.truth;
+        to.shown += more.shown;
+    };
+    for_each_wave(modes, [&](std::size_t i, double kx, double ky, double, double omega) {
+        auto& [all, middle] = expected[std::exp2(std::floor(std::log2(std::hypot(kx, ky))))];
+        for (int n = 0; n < 100; ++n)
+            add(all, energy(modes, i, omega, start_us, (n + 0.5) / 100));
+        add(middle, energy(modes, i, omega, start_us, 0.5));
+    });
+    const auto measured = octaves(**sea, start_us);
+    ASSERT_TRUE(measured) << measured.error().message;
+    int seen = 0;
+    for (const Octave& octave : *measured) {
+        const auto& [all, middle] = expected.at(octave.k_radpm);
+        const double all_pct = 100 * (all.shown / all.truth - 1);
+        const double middle_pct = 100 * (middle.shown / middle.truth - 1);
+        if (all_pct > -1)
+            continue;
+        ++seen;
+        // A few moments instead of a hundred, and single precision.
+        EXPECT_NEAR(octave.energy_error_pct, all_pct, -0.01 * all_pct) << octave.k_radpm;
+        EXPECT_NEAR(octave.energy_error_worst_pct, middle_pct, -0.01 * middle_pct)
+            << octave.k_radpm;
+        EXPECT_LT(octave.energy_error_worst_pct, 1.4 * octave.energy_error_pct) << octave.k_radpm;
+    }
+    EXPECT_GE(seen, 2);
 }
 
 // K12 has no error of its own: whoever asks for many at once, in however many threads, gets the bits of

@@ -4,6 +4,7 @@
 cell is worked out by hand."""
 import csv
 import pathlib
+import re
 import sys
 import tempfile
 import types
@@ -103,9 +104,20 @@ class Tables(unittest.TestCase):
 
     def test_octaves_run_from_twice_the_wavenumber_to_itself(self):
         run = run_of({(GALE, "named", "balanced"): {**BALANCED, "energy_pct@0.5": -1.5, "phase_rad@0.5": 0.02,
-                                                    "energy_pct@4": 12, "phase_rad@4": 0.3}})
+                                                    "energy_worst_pct@0.5": -3.1, "energy_pct@4": 12, "phase_rad@4": 0.3}})
         self.assertEqual(cells(accuracy_page.octave_table(run))[1:],
-                         [["6.28 to 12.6", "-1.5", "0.02"], ["0.785 to 1.57", "12", "0.3"]])
+                         [["6.28 to 12.6", "-1.5", "-3.1", "0.02"], ["0.785 to 1.57", "12", "-", "0.3"]])
+        self.assertIn("whole interval", accuracy_page.octave_moments(run))
+        self.assertIn("one moment", accuracy_page.octave_moments(run_of({(GALE, "named", "balanced"): BALANCED})))
+
+    def test_tiles_have_a_stream_and_answers_have_none(self):
+        run = run_of({(GALE, "rung", "predicted tiles"): {**BALANCED, "decode_ms_per_s": 6.4},
+                      (GALE, "rung", "answers"): dict(BALANCED, rms_m=0.009, bytes_per_s=0, encode_ms_per_s=0)})
+        self.assertEqual(cells(accuracy_page.rung_table(run))[1:],
+                         [["predicted tiles", "1.1 cm", "3.2 cm", "0.013", "20", "31", "6.4", "1.7"],
+                          ["answers", "9 mm", "3.2 cm", "0.013", "-", "-", "-", "1.7"]])
+        self.assertIn("all of our clients", accuracy_page.stream_form(run))
+        self.assertIn("whole maps", accuracy_page.stream_form(run_of({(GALE, "rung", "tiles"): BALANCED})))
 
     def test_devices_tell_their_own_clock_and_driver(self):
         run = run_of({(GALE, "device", "vulkan"): {"rms_m": 0.004, "keyframe_cpu_ms_per_s": 2.5, "device_ms_per_s": 14}})
@@ -123,6 +135,18 @@ class Tables(unittest.TestCase):
         self.assertEqual(accuracy_page.batch_difference(same), "to the bit")
 
 
+class Scenes(unittest.TestCase):
+    def test_every_key_of_accuracy_has_a_measurement(self):
+        text = (accuracy_page.ROOT / "docs/scenes.md").read_text().split("\n## [accuracy]\n")[1].split("\n## ")[0]
+        keys = set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
+        self.assertIn("height_error_m", keys)
+        self.assertEqual(keys, set(accuracy_page.MEASURED_BY), "a key that costs accuracy is measured: tools/bench/accuracy/knobs.cpp")
+        known = set(re.findall(r'Knob\{"(\w+)"', (accuracy_page.ROOT / "tools/bench/accuracy/knobs.cpp").read_text()))
+        self.assertLessEqual(set(accuracy_page.MEASURED_BY.values()) - {""}, known)
+        # A certificate changes nothing of a sea.
+        self.assertEqual([key for key, knob in accuracy_page.MEASURED_BY.items() if not knob], ["certificate"])
+
+
 class Words(unittest.TestCase):
     def test_each_word_is_the_figure_of_its_name(self):
         named = {name: {metric: figure * factor for metric, figure in BALANCED.items()}
@@ -133,6 +157,14 @@ class Words(unittest.TestCase):
         trials = {(GALE, "named", name): figures for name, figures in named.items()}
         trials |= {(state, "named", "balanced"): dict(BALANCED, bound_over_p99=bound)
                    for state, bound in zip([s for s in accuracy_page.STATES if s != GALE], (4.2, 9.4, 5, 7, 8))}
+        for rule, gain, memory in (("bilinear", 4, 1.2), ("spline", 20, 1)):
+            for doublings in range(4):
+                error = (0.2 if rule == "bilinear" else 0.01) / gain ** doublings
+                trials[(GALE, "grid", f"{rule}@{64 << doublings}")] = {"rms_m": error, "memory_mb": memory * 4 ** doublings}
+        for factor, query_ns, rms_m in (("0", 1000, 0.01), ("0.5", 1500, 0.0103), ("1", 3000, 0.0101), ("1.5", 27000, 0.0102)):
+            trials[(GALE, "choppiness", f"factor@{factor}")] = {"query_ns": query_ns, "rms_m": rms_m}
+        trials[(GALE, "batch", "exact, one thread@1")] = {"batch_ns": 237e3, "batch_difference_m": 0}
+        trials[(GALE, "rung", "predicted tiles")] = {**BALANCED, "decode_ms_per_s": 6.4}
         trials[(GALE, "combination", "256@0.1")] = {"flagged_pct": 3.3, "query_ns": 4400, "p99_m": 0.19}
         with tempfile.TemporaryDirectory() as folder, \
                 unittest.mock.patch.object(accuracy_page, "DATA", pathlib.Path(folder)):
@@ -146,10 +178,13 @@ class Words(unittest.TestCase):
             "GERSTNER_RMS": "7.7 cm",
             "BOUND_OVER_P99": "4.2 to 9.4", "LOOSE_FLAGGED": "3.3", "LOOSE_ANSWER": "4.4", "LOOSE_P99": "19 cm",
             "TRUTH": "3e-12 m", "SETTINGS": "seaway-bench accuracy, seed 7", "MACHINE": "a machine", "COMMIT": "abc1234",
-            "NOTE": "Measured twice. ", "OTHER_HEADLINES": ""}
+            "NOTE": "Measured twice. ", "OTHER_HEADLINES": "",
+            "SPLINE_GAIN": "20", "BILINEAR_GAIN": "4", "BILINEAR_ERROR": "20", "BILINEAR_MEMORY": "1.2",
+            "BILINEAR_FINE_ERROR": "1.2", "BILINEAR_FINE_MEMORY": "19", "FAST_SHARE": "3", "PRECISE_TIMES": "2",
+            "CHOPPY_TIMES": "3", "FOLDING_TIMES": "27", "CHOPPY_SPREAD": "3", "SUM_ALONE": "237"}
         for word, text in expected.items():
             self.assertEqual(words[word], text, word)
-        tables = {"WAYS", "STATES", "LAWS", "FORMATS", "OCTAVES", "DEVICES", "BATCHES", "BATCH_DIFFERENCE"}
+        tables = {"RUNGS", "STREAM_FORM", "OCTAVE_MOMENTS", "WAYS", "STATES", "LAWS", "FORMATS", "OCTAVES", "DEVICES", "BATCHES", "BATCH_DIFFERENCE"}
         self.assertEqual(set(words), set(expected) | tables)
 
     def test_another_device_is_told_by_its_own_figures(self):

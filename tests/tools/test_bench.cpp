@@ -160,7 +160,7 @@ TEST(Bench, line_counts_what_is_sent_of_each_cascade_and_field) {
     EXPECT_GT(mbit_per_s(alone.out), 2 * mbit_per_s(compact.out)) << "what is predicted";
 }
 
-// What a client on a thin line is promised of the gale (docs/performance.md has what was measured: 1.1 Mbit/s): each keyframe alone at
+// What a client on a thin line is promised of the gale (docs/performance/line.md has what was measured: 1.1 Mbit/s): each keyframe alone at
 // the centimetre of its scene. Bytes are no timings: they are the same on every run.
 TEST(Bench, the_gale_fits_the_lines_that_it_is_promised_to_fit) {
     const std::string gale = " --scene " SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml";

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/tools/program.h"
 #include "tools/bench/accuracy/measure/laws.h"
 #include "tools/bench/accuracy/seas/sea_states.h"
 #include "tools/bench/tune/total_error.h"
@@ -39,7 +40,7 @@ class FormulaPrices final : public Prices {
             const double a_second =
                 1.0 / sea::seconds_from_us(sea.waves().budget.cascades[c].interval_us);
             price.keyframes_ms += a_second * keyframe_ms(sea.waves().used->cascades[c].spec.size);
-            const CodingCost& coding = sea.coding()[c];
+            const CodingCost coding = sea.coding(c);
             price.bytes_per_s += a_second * static_cast<double>(coding.bytes) /
                                  static_cast<double>(std::max<std::uint64_t>(coding.keyframes, 1));
             price.answers_ms += 3.0;
@@ -185,6 +186,29 @@ TEST_F(Tune, a_looser_target_never_costs_more) {
         EXPECT_LE(outcome.best.price.work_ms(), dearer_ms) << height_error_m;
         dearer_ms = outcome.best.price.work_ms();
     }
+}
+
+// A price is of what our clients take. 5 %: `line` looks at other keyframes of the same sea.
+TEST_F(Tune, the_stream_that_is_priced_is_the_one_that_line_counts_for_a_client_of_ours) {
+    const std::string path = SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml";
+    const Result<sea::Scene> scene = sea::read_scene(path);
+    ASSERT_TRUE(scene) << scene.error().message;
+    std::filesystem::create_directories(options.folder);
+    const auto stages = stage_prices("native", options.folder + "/prices.json", devices);
+    ASSERT_TRUE(stages) << stages.error().message;
+    const auto sea = ConfiguredSea::create(*scene, configuration_of(*scene, "native"), devices);
+    ASSERT_TRUE(sea) << sea.error().message;
+    ASSERT_TRUE((*sea)->go_to(sample_time_us(1)));
+    const auto price = (*stages)->of(**sea);
+    ASSERT_TRUE(price) << price.error().message;
+    const testing::Output line =
+        testing::run_program("seaway-bench", "line --keyframes 4 --scene " + path);
+    ASSERT_EQ(line.status, 0) << line.err;
+    const std::size_t unit = line.out.find(" Mbit/s, one whole");
+    ASSERT_NE(unit, std::string::npos) << line.out;
+    const double mbit_per_s = std::stod(line.out.substr(line.out.rfind('\n', unit) + 1));
+    EXPECT_NEAR(8e-6 * price->bytes_per_s / mbit_per_s, 1.0, 0.05);
+    EXPECT_GT(price->encoding_ms, 0.0);
 }
 
 // The whole of it, ten seeds in six sea states, is in docs/accuracy.md; here one calm and one steep sea.

@@ -44,22 +44,24 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
     const sea::CascadeBudget& own = sea.budget.cascades[static_cast<std::size_t>(cascade)];
     const sea::CascadeSpec& spec =
         sea.realization->cascades[static_cast<std::size_t>(cascade)].spec;
-    const server::RungMaps maps =
-        server::maps_of(sea.budget, cascade, server::with_foam_inputs(grant.fields), grant.quality);
+    const server::RungMaps maps = server::maps_of(sea.budget, cascade, grant.fields, grant.quality);
     const sea::TimeUs interval_us = maps.every * own.interval_us;
     const protocol::CascadeInfo info{.length_m = spec.length_m, .size = spec.size};
     client::TileAssembly assembly;
     std::vector<FieldCost> rows;
     Sum sum;
     const std::optional<sea::WaveLaw> law = maps.predicted ? sea.wave_law() : std::nullopt;
-    for (int n = law ? -1 : 0; n < keyframes; ++n) {
+    for (int n = law ? -TileStream::leads : 0; n < keyframes; ++n) {
         const sea::TimeUs time_us = demand_start_us + (law ? n : 7 * n) * interval_us;
         const server::KeyframeRequest request{cascade, time_us - time_us % interval_us,
                                               grant.fields};
         SEAWAY_TRY_LET(const auto made, foam.synthesize(device, {request}));
+        // Foam may have come with what it stands on.
+        const std::vector<float> bounds =
+            server::maps_of(sea.budget, cascade, made[0]->fields, grant.quality).codec_error;
         const double start_s = cpu_seconds();
         SEAWAY_TRY_LET(const server::EncodedKeyframePtr encoded,
-                       encoder.encode(*made[0], maps.codec_error, grant.quality, grant.fields,
+                       encoder.encode(*made[0], bounds, grant.quality, grant.fields,
                                       {maps.compact_size, grant.follows, maps.coarser, law}));
         const double encoded_s = cpu_seconds();
         protocol::MessageReader reader(protocol::Sender::server);

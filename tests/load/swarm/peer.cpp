@@ -11,12 +11,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "sea/surface/budget/spending.h"
+
 namespace seaway::tests::swarm {
 
 namespace {
 
 /// As server/simulation/schedule.h has it: a keyframe is due its interval and this before its time.
-constexpr std::int64_t publish_lead_us = 250'000;
 constexpr std::size_t scratch_bytes = 1u << 20;
 
 [[noreturn]] void give_up(const char* what) {
@@ -197,7 +198,7 @@ void Peer::on_keyframe(const wire::Tile& tile, Tally& tally, const Stage& stage)
         if (newest != 0 && tile.time_us() > newest + interval)
             tally.lost += static_cast<std::uint64_t>((tile.time_us() - newest) / interval - 1);
         const double due_s =
-            1e-6 * static_cast<double>(tile.time_us() - interval - publish_lead_us);
+            1e-6 * static_cast<double>(tile.time_us() - interval - sea::publish_lead_us);
         tally.age.add(clock_s() + stage.sea_minus_clock_s - due_s);
     }
     newest = std::max(newest, tile.time_us());

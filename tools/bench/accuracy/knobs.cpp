@@ -149,16 +149,20 @@ Trials interval(const sea::Scene& scene, const std::string& device) {
 
 Trials codec(const sea::Scene& scene, const std::string& device) {
     Trials trials;
-    for (const double bound_m : {1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003}) {
-        Configuration configuration = clean_on(scene, device);
-        configuration.interval_us =
-            250'000; // as streams have it: what rates may cost depends on it
-        configuration.codec_error_m = bound_m;
-        trials.push_back({on_curve("bound", bound_m),
-                          configuration,
-                          Measurement::answers,
-                          {.octaves = bound_m == 0.1}});
-    }
+    for (const auto& [name, tiles] :
+         {std::pair("bound", Tiles::whole), std::pair("compact bound", Tiles::compact),
+          std::pair("predicted bound", Tiles::predicted)})
+        for (const double bound_m : {1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003}) {
+            Configuration configuration = clean_on(scene, device);
+            configuration.interval_us =
+                250'000; // as streams have it: what rates may cost depends on it
+            configuration.codec_error_m = bound_m;
+            configuration.tiles = tiles;
+            trials.push_back({on_curve(name, bound_m),
+                              configuration,
+                              Measurement::answers,
+                              {.octaves = bound_m == 0.1}});
+        }
     return trials;
 }
 
@@ -250,7 +254,12 @@ Trials rung(const sea::Scene& scene, const std::string& device) {
     answers.codec_error_m = 0.0;
     Configuration exact_sum = answers;
     exact_sum.evaluator = Evaluator::direct_sum;
-    return {{"tiles", tiles},
+    Configuration compact = tiles, whole = tiles;
+    compact.tiles = Tiles::compact;
+    whole.tiles = Tiles::whole;
+    return {{"predicted tiles", tiles},
+            {"compact tiles", compact},
+            {"whole tiles", whole},
             {"answers", answers},
             {"exact answers", exact_sum, Measurement::answers, {.every = summed_every}}};
 }

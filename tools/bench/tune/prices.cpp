@@ -72,7 +72,9 @@ struct SizePrice {
 
 struct Stages {
     std::map<int, SizePrice> sizes;
-    double sample_ns = 0; ///< of encoding
+    /// Of encoding for a client that takes predicted tiles: of a point of the cascade's own grid, by way of the smaller
+    /// one, and of a byte that is made.
+    double sample_ns = 0;
     double byte_ns = 0;
 };
 
@@ -128,7 +130,7 @@ Result<const SizePrice*> StagePrices::size(int size) {
     price.spline_ms = costs_.spline_ms(size);
     const auto evaluation_ns = [this](std::vector<sea::CascadeSpec> cascades) -> Result<double> {
         SEAWAY_TRY_LET(const auto sea, gale(std::move(cascades), 0.05));
-        return query_ns(*sea, counted_points()) / evaluations_an_answer(*sea);
+        return query_ns(*sea, counted_points()).median / evaluations_an_answer(*sea);
     };
     const double longest_m = 8.0 * size, ratio = 2.5;
     SEAWAY_TRY_LET(price.first_tile_ns, evaluation_ns({{longest_m, size}}));
@@ -159,10 +161,10 @@ Result<void> StagePrices::measure_coding() {
         SEAWAY_TRY_LET(const auto sea, gale({{1000.0, 256}}, i == 0 ? 0.3 : 0.003));
         for (int round = 0; round < 4; ++round)
             SEAWAY_TRY(sea->go_to(10'000'000 * round));
-        const CodingCost& cost = sea->coding()[0];
+        const CodingCost cost = sea->coding(0);
         const double samples = static_cast<double>(cost.keyframes) * 256.0 * 256.0;
         ns[i] = 1e9 * cost.encode_s / samples;
-        bytes[i] = static_cast<double>(cost.bytes) / samples;
+        bytes[i] = static_cast<double>(cost.bytes_made) / samples;
     }
     stages_.byte_ns = std::max(0.0, (ns[1] - ns[0]) / (bytes[1] - bytes[0]));
     stages_.sample_ns = std::max(0.0, ns[0] - bytes[0] * stages_.byte_ns);
@@ -217,15 +219,14 @@ Result<Price> StagePrices::of(const ConfiguredSea& sea) {
         SEAWAY_TRY_LET(const SizePrice* stage, size(spec.size));
         price.keyframes_ms += a_second * stage->keyframe_ms;
         price.splines_ms += a_second * stage->spline_ms;
-        const CodingCost& coding = sea.coding()[c];
+        const CodingCost coding = sea.coding(c);
         if (coding.keyframes == 0)
             continue;
-        const double bytes =
-            static_cast<double>(coding.bytes) / static_cast<double>(coding.keyframes);
-        price.bytes_per_s += a_second * bytes;
-        price.encoding_ms += a_second * 1e-6 *
-                             (bytes * stages_.byte_ns +
-                              static_cast<double>(spec.size) * spec.size * stages_.sample_ns);
+        const double each = a_second / static_cast<double>(coding.keyframes);
+        price.bytes_per_s += each * static_cast<double>(coding.bytes);
+        price.encoding_ms += 1e-6 * each * static_cast<double>(coding.bytes_made) * stages_.byte_ns;
+        price.encoding_ms +=
+            1e-6 * a_second * static_cast<double>(spec.size) * spec.size * stages_.sample_ns;
     }
     SEAWAY_TRY_LET(const double each_ns, evaluation_ns(cascades));
     price.answers_ms = queries_per_s * evaluations_an_answer(sea) * each_ns * 1e-6;

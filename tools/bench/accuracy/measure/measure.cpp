@@ -60,6 +60,15 @@ void add_missing(const Missing& missing, std::vector<Figure>& all) {
     all.push_back(exact("missing_rms_m", missing.rms_m()));
 }
 
+void add_octaves(std::span<const Octave> octaves, std::vector<Figure>& all) {
+    for (const Octave& octave : octaves)
+        for (const auto& [metric, value] :
+             {std::pair("energy_pct", octave.energy_error_pct),
+              std::pair("energy_worst_pct", octave.energy_error_worst_pct),
+              std::pair("phase_rad", octave.phase_error_rad)})
+            all.push_back(exact(fmt::format("{}@{:g}", metric, octave.k_radpm), value));
+}
+
 double value_of(const std::vector<Figure>& all, std::string_view metric) {
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const Figure& f) { return f.metric == metric; });
@@ -72,8 +81,8 @@ double hs_of(const ConfiguredSea& sea) {
 
 double codec_over_bound(const ConfiguredSea& sea) {
     double over_bound = 0;
-    for (const CodingCost& coding : sea.coding())
-        over_bound = std::max(over_bound, coding.worst_over_bound);
+    for (std::size_t c = 0; c < sea.waves().used->cascades.size(); ++c)
+        over_bound = std::max(over_bound, sea.coding(c).worst_over_bound);
     return over_bound;
 }
 
@@ -195,22 +204,21 @@ Result<std::vector<Figure>> measure(std::span<const DrawnSea> seas,
                    errors_of(*sea, truth, extent, seas[0].waves.state.seed, std::move(further)));
     const int base = extent.time_base.value_or(0);
     add_prediction(predict(sea->waves(), configuration, sample_time_us(base)), all);
-    if (extent.octaves)
-        for (const Octave& octave : octaves(*sea)) {
-            all.push_back(
-                exact(fmt::format("energy_pct@{:g}", octave.k_radpm), octave.energy_error_pct));
-            all.push_back(
-                exact(fmt::format("phase_rad@{:g}", octave.k_radpm), octave.phase_error_rad));
-        }
-    const double answer_ns = query_ns(*sea, timed_points(truth));
+    if (extent.octaves) {
+        SEAWAY_TRY_LET(const std::vector<Octave> by_octave, octaves(*sea, sample_time_us(1)));
+        add_octaves(by_octave, all);
+    }
+    const Timed answer_ns = query_ns(*sea, timed_points(truth));
     // Last: timing takes the device to a sea of its own.
     SEAWAY_TRY_LET(const std::vector<Figure> cost, costs.figures(*sea, devices));
     all.insert(all.end(), cost.begin(), cost.end());
-    all.push_back(exact("query_ns", answer_ns));
-    all.push_back(exact("work_ms_per_s", value_of(cost, "keyframe_cpu_ms_per_s") +
-                                             value_of(cost, "spline_ms_per_s") +
-                                             value_of(cost, "encode_ms_per_s") +
-                                             queries_per_s * answer_ns * 1e-6));
+    all.push_back({"query_ns", answer_ns.median, answer_ns.least, answer_ns.most});
+    const auto work_ms = [&](double each_ns) {
+        return value_of(cost, "keyframe_cpu_ms_per_s") + value_of(cost, "spline_ms_per_s") +
+               value_of(cost, "encode_ms_per_s") + queries_per_s * each_ns * 1e-6;
+    };
+    all.push_back({"work_ms_per_s", work_ms(answer_ns.median), work_ms(answer_ns.least),
+                   work_ms(answer_ns.most)});
     return all;
 }
 
@@ -222,13 +230,7 @@ Result<std::vector<Figure>> measure_layout(const sea::Scene& scene,
     const sea::SeaSummary summary = sea::summarize(waves.state, *waves.used);
     const double hs_m = summary.requested.significant_height_m;
     all.push_back(exact("hs_m", hs_m));
-    double scatter2 = 0, expected = 0;
-    for (const sea::CascadeVariance& cascade : summary.cascades) {
-        // Of Hs = 4 sqrt(m0): variances of m0 add, a cascade's is (2 scatter m0)^2.
-        scatter2 += std::pow(2.0 * cascade.expected_scatter * cascade.expected_m2, 2);
-        expected += cascade.expected_m2;
-    }
-    all.push_back(exact("hs_scatter_pct", 100.0 * 0.5 * std::sqrt(scatter2) / expected));
+    all.push_back(exact("hs_scatter_pct", 100.0 * sea::hs_scatter(summary)));
     all.push_back(exact("peak_wavelengths", waves.used->cascades.front().spec.length_m /
                                                 summary.longest_peak_wavelength_m));
     std::map<int, double> held;

@@ -46,7 +46,7 @@ Result<std::vector<Figure>> measure_errors(const sea::Scene& scene,
 
 /// What measure_errors() gives, over all points of all seas, and of several seas rms_m@seed=S, p99_m@seed=S,
 /// hs_m@seed=S and p99_worst_m, the largest of them; predicted_rms_m and predicted_<source>_m of laws.h;
-/// octaves as "energy_pct@k", "phase_rad@k"; the costs of stage_costs.h; query_ns; work_ms_per_s =
+/// octaves as "energy_pct@k", "energy_worst_pct@k" and "phase_rad@k"; the costs of stage_costs.h; query_ns; work_ms_per_s =
 /// keyframes + splines + encoding + queries_per_s answers. Laws, octaves, flicker and costs are of the
 /// first sea. `seas` is not empty.
 Result<std::vector<Figure>> measure(std::span<const DrawnSea> seas,

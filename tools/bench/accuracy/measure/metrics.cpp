@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "base/worse.h"
@@ -26,32 +27,38 @@ struct Interval {
     double value, low, high;
 };
 
-/// A function of sums over times, and its interval by drawing times with replacement.
+/// What `statistic` says of so many times, given how often each counts, and its interval by drawing times with replacement.
 template <class Statistic>
-Interval by_times(const std::map<int, Sums>& times, Statistic statistic) {
-    std::vector<Sums> all;
-    Sums whole;
-    const auto add = [](Sums& to, const Sums& part) {
-        to.first += part.first;
-        to.second += part.second;
-        to.count += part.count;
-    };
-    for (const auto& [time, sums] : times) {
-        all.push_back(sums);
-        add(whole, sums);
-    }
-    if (all.empty())
+Interval by_times(std::size_t times, Statistic statistic) {
+    if (times == 0)
         return {0, 0, 0};
+    std::vector<int> counts(times, 1);
+    const double value = statistic(counts);
     std::mt19937_64 engine(1);
     std::vector<double> drawn;
     for (int r = 0; r < resamples; ++r) {
-        Sums sums;
-        for (std::size_t i = 0; i < all.size(); ++i)
-            add(sums, all[engine() % all.size()]);
-        drawn.push_back(statistic(sums));
+        std::fill(counts.begin(), counts.end(), 0);
+        for (std::size_t i = 0; i < times; ++i)
+            ++counts[engine() % times];
+        drawn.push_back(statistic(counts));
     }
     std::sort(drawn.begin(), drawn.end());
-    return {statistic(whole), drawn[resamples / 40], drawn[resamples - 1 - resamples / 40]};
+    return {value, drawn[resamples / 40], drawn[resamples - 1 - resamples / 40]};
+}
+
+/// Of a function of sums over times.
+template <class Statistic>
+Interval by_times(const std::map<int, Sums>& times, Statistic statistic) {
+    return by_times(times.size(), [&](std::span<const int> counts) {
+        Sums sums;
+        auto count = counts.begin();
+        for (const auto& [time, part] : times) {
+            sums.first += *count * part.first;
+            sums.second += *count * part.second;
+            sums.count += *count++ * part.count;
+        }
+        return statistic(sums);
+    });
 }
 
 double root_mean_square(const Sums& sums) {
@@ -78,17 +85,35 @@ std::map<int, Sums> sums_of(std::span<const Sample> samples, Which which, Value 
     return times;
 }
 
-/// The 99th percentile with the order statistics 1.96 standard errors around it.
-Interval percentile_99(std::vector<double> values) {
-    if (values.empty())
-        return {0, 0, 0};
-    std::sort(values.begin(), values.end());
-    const auto count = static_cast<double>(values.size());
-    const double scatter = 1.96 * std::sqrt(count * 0.99 * 0.01);
-    const auto at = [&](double rank) {
-        return values[static_cast<std::size_t>(std::clamp(rank, 0.0, count - 1))];
+/// The 99th percentile of a value, of the samples that `which` takes.
+template <class Which, class Value>
+Interval percentile_99(std::span<const Sample> samples, Which which, Value value) {
+    struct Ranked {
+        double value;
+        std::size_t time; ///< a place in `sizes`
     };
-    return {at(0.99 * count), at(0.99 * count - scatter), at(0.99 * count + scatter)};
+    std::map<int, std::size_t> times;
+    std::vector<std::ptrdiff_t> sizes;
+    std::vector<Ranked> ranked;
+    for (const Sample& sample : samples) {
+        if (!which(sample))
+            continue;
+        const std::size_t time = times.emplace(sample.time, times.size()).first->second;
+        sizes.resize(times.size());
+        ++sizes[time];
+        ranked.push_back({value(sample), time});
+    }
+    std::sort(ranked.begin(), ranked.end(),
+              [](const Ranked& a, const Ranked& b) { return a.value > b.value; });
+    return by_times(times.size(), [&](std::span<const int> counts) {
+        const auto all =
+            std::inner_product(counts.begin(), counts.end(), sizes.begin(), std::ptrdiff_t{0});
+        // From the largest down: so many are as large as it.
+        auto left = all - static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(all));
+        const auto found = std::ranges::find_if(
+            ranked, [&](const Ranked& one) { return (left -= counts[one.time]) <= 0; });
+        return found->value;
+    });
 }
 
 double height_error(const Sample& s) {
@@ -159,16 +184,11 @@ std::vector<Figure> figures(std::span<const Sample> all_samples, double hs_m) {
     const double percent_of_hs = hs_m > 0 ? 100.0 / hs_m : 0.0;
     const auto heights = sums_of(samples, anywhere, height_error);
     const Interval rms = by_times(heights, root_mean_square);
-    std::vector<double> errors, angles;
     double worst = 0;
-    for (const Sample& sample : samples) {
+    for (const Sample& sample : samples)
         worst = worse(worst, std::abs(height_error(sample)));
-        if (!anywhere(sample))
-            continue;
-        errors.push_back(std::abs(height_error(sample)));
-        angles.push_back(normal_angle_deg(sample));
-    }
-    const Interval p99 = percentile_99(errors);
+    const Interval p99 =
+        percentile_99(samples, anywhere, [](const Sample& s) { return std::abs(height_error(s)); });
     put("rms_m", rms);
     put("rms_pct_hs", rms, percent_of_hs);
     put("p99_m", p99);
@@ -184,7 +204,7 @@ std::vector<Figure> figures(std::span<const Sample> all_samples, double hs_m) {
     put("steep_rms_m",
         by_times(sums_of(samples, of_kind(PointKind::steep), height_error), root_mean_square));
     put("slope_rms", by_times(sums_of(samples, anywhere, slope_error), root_mean_square));
-    put("normal_p99_deg", percentile_99(angles));
+    put("normal_p99_deg", percentile_99(samples, anywhere, normal_angle_deg));
     put("velocity_rms_mps", by_times(sums_of(samples, anywhere, velocity_error), root_mean_square));
     all.push_back(
         exact("folded_pct", 100.0 * static_cast<double>(all_samples.size() - samples.size()) /

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far answers are from the truth, in the terms that users feel: metres and percent of Hs, crests,
-// slopes, velocities, flicker. Intervals are 95 %: by resampling whole times for averages, by order
-// statistics for the 99th percentile.
+// slopes, velocities, flicker. Intervals are 95 %, by resampling whole times: the points of one time are of one sea at one
+// place between keyframes, and tell less than as many points of different times.
 //
 // Points where the true surface folds are left out: there the two may stand on different sheets. How many
 // those are is a figure of its own, and so is how many answers are flagged as folded: at a fold, or so near
@@ -20,7 +20,8 @@ namespace seaway::bench {
 struct Figure {
     std::string metric;
     double value;
-    double low; ///< of its 95 % interval; both as `value` where there is no scatter
+    double
+        low; ///< of its 95 % interval, of times that were taken the least of all rounds; as `value` where nothing scatters
     double high;
 };
 

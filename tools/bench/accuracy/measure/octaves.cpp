@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/accuracy/measure/octaves.h"
 
+#include <array>
 #include <cmath>
 #include <complex>
 #include <map>
@@ -42,14 +43,26 @@ void transform(Complex* values, std::size_t count, std::size_t stride) {
         }
 }
 
-/// Sums over the waves of an octave.
+/// Sums over the waves of an octave at one moment.
 struct Sum {
     double truth = 0;
     double shown = 0;
     double phase2 = 0; ///< squares of phase errors, by energy
+
+    Sum& operator+=(const Sum& more) {
+        truth += more.truth;
+        shown += more.shown;
+        phase2 += more.phase2;
+        return *this;
+    }
+    double energy_error_pct() const { return 100.0 * (shown / truth - 1.0); }
 };
 
-void add_cascade(const ConfiguredSea& sea, int c, std::map<int, Sum>& octaves) {
+/// By octave, each by how far into an interval.
+using SumsByOctave = std::map<int, std::array<Sum, octave_moments>>;
+
+/// What the sea shows of a cascade at its time: sums over its waves.
+void add_cascade(const ConfiguredSea& sea, int c, std::size_t moment, SumsByOctave& octaves) {
     const sea::CascadeModes& modes = sea.waves().used->cascades[static_cast<std::size_t>(c)];
     const int size = modes.spec.size, fine = 2 * size;
     const auto count = static_cast<std::size_t>(fine);
@@ -79,7 +92,7 @@ void add_cascade(const ConfiguredSea& sea, int c, std::map<int, Sum>& octaves) {
         const Complex turn = std::polar(1.0, -sea::phase_rad(modes.rate[i], t));
         const Complex truth = modes.h0[i] * turn + std::conj(modes.h0[opposite] * turn);
         const Complex shown = scale * values[wrapped(ny, fine) * count + wrapped(nx, fine)];
-        Sum& sum = octaves[static_cast<int>(std::floor(std::log2(std::hypot(kx, ky))))];
+        Sum& sum = octaves[static_cast<int>(std::floor(std::log2(std::hypot(kx, ky))))][moment];
         sum.truth += std::norm(truth);
         sum.shown += std::norm(shown);
         const double phase = std::arg(shown * std::conj(truth));
@@ -87,22 +100,43 @@ void add_cascade(const ConfiguredSea& sea, int c, std::map<int, Sum>& octaves) {
     });
 }
 
+Octave octave_of(int exponent, const std::array<Sum, octave_moments>& moments) {
+    Sum all;
+    Octave octave{.k_radpm = std::ldexp(1.0, exponent)};
+    for (const Sum& moment : moments) {
+        all += moment;
+        if (std::abs(moment.energy_error_pct()) > std::abs(octave.energy_error_worst_pct))
+            octave.energy_error_worst_pct = moment.energy_error_pct();
+    }
+    octave.variance_m2 = all.truth / octave_moments;
+    octave.energy_error_pct = all.energy_error_pct();
+    octave.phase_error_rad = std::sqrt(all.phase2 / all.truth);
+    return octave;
+}
+
 } // namespace
 
-std::vector<Octave> octaves(const ConfiguredSea& sea) {
-    std::map<int, Sum> sums;
-    if (sea.configuration().evaluator == Evaluator::maps)
-        for (int c = 0; c < static_cast<int>(sea.waves().used->cascades.size()); ++c)
-            add_cascade(sea, c, sums);
-    double whole = 0;
-    for (const auto& [exponent, sum] : sums)
-        whole += sum.truth;
+Result<std::vector<Octave>> octaves(ConfiguredSea& sea, sea::TimeUs time_us) {
     std::vector<Octave> all;
-    for (const auto& [exponent, sum] : sums)
-        if (sum.truth > least_share * whole)
-            all.push_back({std::ldexp(1.0, exponent), sum.truth,
-                           100.0 * (sum.shown / sum.truth - 1.0),
-                           std::sqrt(sum.phase2 / sum.truth)});
+    if (sea.configuration().evaluator != Evaluator::maps)
+        return all;
+    SumsByOctave sums;
+    for (int c = 0; c < static_cast<int>(sea.waves().used->cascades.size()); ++c) {
+        const sea::TimeUs interval_us =
+            sea.waves().budget.cascades[static_cast<std::size_t>(c)].interval_us;
+        const sea::TimeUs start_us = sea.keyframe_before_us(c, time_us);
+        for (int moment = 0; moment < octave_moments; ++moment) {
+            SEAWAY_TRY(sea.go_to(start_us + (2 * moment + 1) * interval_us / (2 * octave_moments)));
+            add_cascade(sea, c, static_cast<std::size_t>(moment), sums);
+        }
+    }
+    double whole_m2 = 0;
+    for (const auto& [exponent, moments] : sums)
+        whole_m2 += octave_of(exponent, moments).variance_m2;
+    for (const auto& [exponent, moments] : sums)
+        if (const Octave octave = octave_of(exponent, moments);
+            octave.variance_m2 > least_share * whole_m2)
+            all.push_back(octave);
     return all;
 }
 

@@ -100,7 +100,7 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
             const double values = configuration.format == MapFormat::f32 ? 4.0 : 2.0;
             memory += held * points * sea::linear_field_count * values;
         }
-        const CodingCost& coding = sea.coding()[c];
+        const CodingCost coding = sea.coding(c);
         if (coding.keyframes == 0)
             continue;
         const double each = a_second / static_cast<double>(coding.keyframes);
@@ -117,7 +117,7 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
                        exact("memory_mb", memory / 1e6)};
 }
 
-double query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> points) {
+Timed query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> points) {
     const auto timed = [&](std::size_t count) {
         const double before = cpu_seconds();
         double sum = 0;
@@ -127,18 +127,21 @@ double query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> point
         // Used, so that no compiler leaves the answers out.
         return sum == 1e300 ? 0.0 : spent * 1e9 / static_cast<double>(count);
     };
-    // Sums of all waves and searches for sheets take a thousand times a plain answer: a twentieth of
-    // a second is enough of any of them.
+    // Sums of all waves and searches for sheets take a thousand times a plain answer: a fiftieth of
+    // a second is enough of any of them, and more rounds tell what a round may be off by.
+    constexpr int rounds = 9;
+    constexpr double round_ns = 0.02e9;
     const bool all_alike = sea.configuration().evaluator == Evaluator::direct_sum;
     const std::size_t few = std::min<std::size_t>(points.size(), all_alike ? 16 : 64);
-    const double affordable = 0.05e9 / std::max(timed(few), 1.0);
+    const double affordable = round_ns / std::max(timed(few), 1.0);
     const auto count = static_cast<std::size_t>(
         std::clamp(all_alike ? 0 : affordable, static_cast<double>(few),
                    static_cast<double>(std::min<std::size_t>(points.size(), 2048))));
     std::vector<double> each;
-    for (int repeat = 0; repeat < 3; ++repeat)
+    for (int round = 0; round < rounds; ++round)
         each.push_back(timed(count));
-    return median(each);
+    const auto [least, most] = std::minmax_element(each.begin(), each.end());
+    return {median(each), *least, *most};
 }
 
 } // namespace seaway::bench

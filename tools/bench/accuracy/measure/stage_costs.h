@@ -47,7 +47,12 @@ class StageCosts {
     std::map<int, double> splines_;
 };
 
-/// Nanoseconds of one thread an answer, points scattered; median of some repeats.
-double query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> points);
+/// Of some rounds.
+struct Timed {
+    double median = 0, least = 0, most = 0;
+};
+
+/// Nanoseconds of one thread an answer, points scattered.
+Timed query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> points);
 
 } // namespace seaway::bench

@@ -19,6 +19,9 @@ namespace seaway::bench {
 enum class SpaceRule { spline, bilinear };
 enum class TimeRule { hermite, linear, hold, every_frame };
 enum class MapFormat { f32, f16, snorm16 };
+/// How a client takes maps (docs/protocol.md): as differences to what follows from earlier ones, which all of ours do, on the
+/// smallest grids that carry their waves, or whole.
+enum class Tiles { predicted, compact, whole };
 enum class Evaluator { maps, direct_sum };
 enum class PhaseRule { fixed_point, float64, float32 };
 
@@ -38,6 +41,7 @@ struct Configuration {
     TimeRule time = TimeRule::hermite;           ///< K8
     MapFormat format = MapFormat::f32;           ///< K5
     std::optional<double> codec_error_m;  ///< K9; none: the budget's share; 0: maps are not coded
+    Tiles tiles = Tiles::predicted;       ///< K9
     std::optional<int> fixed_point_steps; ///< K10; none: damped Newton and all sheets
     double tolerance_m = 1e-4;            ///< K10, of Newton
     PhaseRule phase = PhaseRule::fixed_point; ///< K7; other rules are summed, never mapped

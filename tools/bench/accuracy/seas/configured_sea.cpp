@@ -3,22 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 
-#include "base/worse.h"
-#include "protocol/limits.h"
-#include "protocol/tile_codec.h"
 #include "sea/surface/surface_sheets.h"
 #include "server/device/device_choice.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "server/simulation/schedule.h"
 
 namespace seaway::bench {
-
-double cpu_seconds() {
-    return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
-}
 
 Result<server::Synthesizer*> Devices::get(const Configuration& configuration) {
     auto& device = made_[{configuration.device, configuration.any_device_kernels}];
@@ -37,8 +29,11 @@ Result<server::Synthesizer*> Devices::get(const Configuration& configuration) {
 }
 
 ConfiguredSea::ConfiguredSea(Waves waves, Configuration configuration, server::Synthesizer& device)
-    : waves_(std::move(waves)), configuration_(std::move(configuration)), device_(device),
-      coding_(waves_.used->cascades.size()) {}
+    : waves_(std::move(waves)), configuration_(std::move(configuration)), device_(device) {
+    const double codec_m = configuration_.codec_error_m.value_or(waves_.budget.codec_error_m);
+    if (configuration_.evaluator == Evaluator::maps && codec_m > 0)
+        stream_ = std::make_unique<TileStream>(waves_, configuration_.tiles, codec_m);
+}
 
 Result<std::unique_ptr<ConfiguredSea>> ConfiguredSea::create(const sea::Scene& scene,
                                                              const Configuration& configuration,
@@ -56,54 +51,37 @@ ConfiguredSea::create(Waves waves, const Configuration& configuration, Devices& 
         new ConfiguredSea(std::move(waves), configuration, *device));
 }
 
-Result<void> ConfiguredSea::code(sea::Keyframe& keyframe) {
-    const double asked = configuration_.codec_error_m.value_or(waves_.budget.codec_error_m);
-    if (!(asked > 0))
-        return {};
-    const std::vector<float> bounds =
-        sea::codec_bounds(waves_.budget, keyframe.fields, keyframe.cascade, asked);
-    CodingCost& cost = coding_[static_cast<std::size_t>(keyframe.cascade)];
-    ++cost.keyframes;
-    const auto size = static_cast<std::size_t>(keyframe.size);
-    const int side = std::min(keyframe.size, protocol::limits::tile_side_max);
-    std::size_t f = 0;
-    for (const sea::Field field : keyframe.fields) {
-        const std::span<float> plane = keyframe.plane(field);
-        const std::vector<float> original(plane.begin(), plane.end());
-        for (int y = 0; y < keyframe.size; y += side)
-            for (int x = 0; x < keyframe.size; x += side) {
-                const auto part =
-                    plane.subspan(static_cast<std::size_t>(y) * size + static_cast<std::size_t>(x));
-                const double start = cpu_seconds();
-                SEAWAY_TRY_LET(const auto bytes,
-                               protocol::encode_tile(part, {side, side}, size, bounds[f]));
-                const double middle = cpu_seconds();
-                SEAWAY_TRY(protocol::decode_tile(bytes, {side, side}, size, part));
-                cost.encode_s += middle - start;
-                cost.decode_s += cpu_seconds() - middle;
-                cost.bytes += bytes.size();
-            }
-        for (std::size_t i = 0; i < plane.size(); ++i)
-            cost.worst_over_bound =
-                worse(cost.worst_over_bound,
-                      std::abs(static_cast<double>(plane[i]) - static_cast<double>(original[i])) /
-                          static_cast<double>(bounds[f]));
-        ++f;
-    }
-    return {};
+Result<server::NewKeyframePtr> ConfiguredSea::synthesized(int cascade, sea::TimeUs time_us,
+                                                          sea::FieldSet fields) {
+    const server::KeyframeRequest request{cascade, time_us, fields};
+    SEAWAY_TRY_LET(const auto made, device_.synthesize({&request, 1}));
+    round_maps(*made[0], configuration_.format);
+    return made[0];
 }
 
 Result<sea::KeyframePtr> ConfiguredSea::keyframe(int cascade, sea::TimeUs time_us) {
     const auto held = keyframes_.find({cascade, time_us});
     if (held != keyframes_.end())
         return held->second;
-    const sea::FieldSet fields =
-        configuration_.space == SpaceRule::spline ? sea::surface_fields : sea::linear_fields;
-    const server::KeyframeRequest request{cascade, time_us, fields};
-    SEAWAY_TRY_LET(const auto made, device_.synthesize({&request, 1}));
-    round_maps(*made[0], configuration_.format);
-    SEAWAY_TRY(code(*made[0]));
-    return sea::KeyframePtr(made[0]);
+    const sea::TimeUs interval_us =
+        waves_.budget.cascades[static_cast<std::size_t>(cascade)].interval_us;
+    for (int n = stream_ ? stream_->leads_to(cascade, time_us) : 0; n > 0; --n) {
+        SEAWAY_TRY_LET(const server::NewKeyframePtr lead,
+                       synthesized(cascade, time_us - n * interval_us, server::predicted_fields));
+        SEAWAY_TRY(stream_->lead(*lead));
+    }
+    SEAWAY_TRY_LET(const server::NewKeyframePtr whole,
+                   synthesized(cascade, time_us,
+                               configuration_.space == SpaceRule::spline ? sea::surface_fields
+                                                                         : sea::linear_fields));
+    if (stream_)
+        SEAWAY_TRY(stream_->send(*whole));
+    return sea::KeyframePtr(whole);
+}
+
+sea::TimeUs ConfiguredSea::keyframe_before_us(int cascade, sea::TimeUs time_us) const {
+    return server::interval_start(
+        time_us, waves_.budget.cascades[static_cast<std::size_t>(cascade)].interval_us);
 }
 
 Result<void> ConfiguredSea::go_to_maps() {
@@ -116,7 +94,7 @@ Result<void> ConfiguredSea::go_to_maps() {
         const sea::TimeUs interval =
             waves_.budget.cascades[static_cast<std::size_t>(c)].interval_us;
         const bool frame = configuration_.time == TimeRule::every_frame;
-        const sea::TimeUs before = frame ? shown_us_ : server::interval_start(shown_us_, interval);
+        const sea::TimeUs before = frame ? shown_us_ : keyframe_before_us(c, shown_us_);
         sea::SplineMapPtr maps[2];
         sea::KeyframePtr around[2];
         for (int i = 0; i < 2; ++i) {

@@ -20,6 +20,7 @@
 #include "server/device/synthesizer.h"
 #include "tools/bench/accuracy/seas/configuration.h"
 #include "tools/bench/accuracy/seas/naive.h"
+#include "tools/bench/accuracy/seas/tile_stream.h"
 #include "tools/bench/accuracy/seas/waves.h"
 
 namespace seaway::bench {
@@ -32,18 +33,6 @@ class Devices {
   private:
     std::map<std::pair<std::string, bool>, std::unique_ptr<server::Synthesizer>> made_;
 };
-
-/// What coding the keyframes took, one a cascade. CPU seconds, so that other programs do not count.
-struct CodingCost {
-    std::uint64_t keyframes = 0;
-    std::uint64_t bytes = 0;
-    double encode_s = 0;
-    double decode_s = 0;
-    double worst_over_bound = 0; ///< largest |decoded - original| in units of the codec's bound
-};
-
-/// CPU time of this process, s.
-double cpu_seconds();
 
 class ConfiguredSea {
   public:
@@ -68,17 +57,23 @@ class ConfiguredSea {
     /// How often the sea is evaluated for the answer there, a search for sheets included. Maps and
     /// Seaway's own rules only.
     int evaluations(sea::QueryPoint point) const;
+    /// The last time up to this one that has a keyframe of a cascade.
+    sea::TimeUs keyframe_before_us(int cascade, sea::TimeUs time_us) const;
     /// The time that answers are of: earlier than the one gone to by the latency.
     sea::TimeUs shown_us() const { return shown_us_; }
 
     const Waves& waves() const { return waves_; }
     const Configuration& configuration() const { return configuration_; }
-    const std::vector<CodingCost>& coding() const { return coding_; }
+    /// Of no keyframes where maps are not coded.
+    CodingCost coding(std::size_t cascade) const {
+        return stream_ ? stream_->costs()[cascade] : CodingCost{};
+    }
 
   private:
     ConfiguredSea(Waves waves, Configuration configuration, server::Synthesizer& device);
     Result<sea::KeyframePtr> keyframe(int cascade, sea::TimeUs time_us);
-    Result<void> code(sea::Keyframe& keyframe);
+    Result<server::NewKeyframePtr> synthesized(int cascade, sea::TimeUs time_us,
+                                               sea::FieldSet fields);
     Result<void> go_to_maps();
     void go_to_sum();
     bool product_rules() const {
@@ -91,7 +86,7 @@ class ConfiguredSea {
     Waves waves_;
     Configuration configuration_;
     server::Synthesizer& device_;
-    std::vector<CodingCost> coding_;
+    std::unique_ptr<TileStream> stream_; ///< null: maps are not coded
     std::map<std::pair<int, sea::TimeUs>, sea::KeyframePtr> keyframes_; ///< cascade, time
     std::map<std::pair<int, sea::TimeUs>, sea::SplineMapPtr> splines_;
     sea::TimeUs shown_us_ = 0;

@@ -52,12 +52,11 @@ void take(std::vector<Candidate>& candidates, std::size_t count, Before before, 
 } // namespace
 
 sea::TimeUs sample_time_us(int index) {
-    constexpr double golden = 0.6180339887498949;
-    constexpr double span_s = 2.0; // the longest keyframe interval
+    // Of all steps of whole milliseconds up to 16 s that which spreads 32 times best over the worst of all intervals: what
+    // Hermite misses there, as (s (1 - s))^4, has a mean within 7 % of the true one.
+    constexpr sea::TimeUs step_us = 1'778'000;
     const double base_s = time_bases_s[static_cast<std::size_t>(index) % std::size(time_bases_s)];
-    const double turns = golden * index;
-    return sea::us_from_seconds(base_s) +
-           sea::us_from_seconds(span_s * (turns - std::floor(turns)));
+    return sea::us_from_seconds(base_s) + index * step_us;
 }
 
 std::vector<SamplePoint> sample_points(const sea::RealizationPtr& sea, const Sampling& sampling,

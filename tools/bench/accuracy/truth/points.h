@@ -35,8 +35,8 @@ struct Sampling {
 /// Seconds since the epoch around which times lie; time number i is around the i-th, and round again.
 inline constexpr double time_bases_s[] = {0.0, 3600.0, 1e6, 1e9, 60.0, 86'400.0, 1e7, 1e8};
 
-/// Time number `index`: up to 2 s after its base, evenly spread over all intervals together (the golden
-/// ratio's sequence); number 0 of many is 0 itself.
+/// Time number `index`: so many steps after its base, by which times are evenly spread over each of the keyframe
+/// intervals (sea/surface/budget/spending.h); number 0 is 0 itself.
 sea::TimeUs sample_time_us(int index);
 
 /// Points of all times, in order of time. World positions within a few kilometres of the origin.
