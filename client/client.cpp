@@ -308,13 +308,10 @@ Result<void> Client::rebuild(TimeUs time_us) {
     SEAWAY_TRY(check_time(time_us));
     const SeaStatePtr state = sea_state(time_us);
     SEAWAY_TRY_LET(const RebuiltSeaPtr made, rebuild_from_scene(*state));
-    {
-        const std::scoped_lock lock(mutex_);
-        for (const SeaStatePtr& held : sea_states_)
-            if (held == state) // not replaced meanwhile
-                rebuilt_[state->epoch] = made;
-    }
-    say_what_is_held(); // where nothing ticks nobody else does
+    const std::scoped_lock lock(mutex_);
+    for (const SeaStatePtr& held : sea_states_)
+        if (held == state) // not replaced meanwhile
+            rebuilt_[state->epoch] = made;
     return {};
 }
 

@@ -56,9 +56,7 @@ void Client::take_times(ConnectionEvents& events, const JoiningPtr& joining) {
 }
 
 bool Client::show_where_it_is() {
-    constexpr TimeUs made_up_within_us = 1'000'000; // of clocks
-    constexpr TimeUs let_be_us = 100'000;           // of a sea that stands
-    if (shown_us_ <= paces_.sea_time(elapsed_held() + made_up_within_us) + let_be_us)
+    if (!paces_.are_far_behind(shown_us_, elapsed_held()))
         return false;
     ++seas_;
     shown_us_ = std::numeric_limits<TimeUs>::min();

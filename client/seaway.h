@@ -168,8 +168,9 @@ typedef struct seaway_status {
 seaway_code seaway_get_status(const seaway_client* client, seaway_status* status);
 
 /* Calls `watch(user, status)` whenever state, connections, seas, reason or holds are others, and when stale_s begins and ends, of
- * these latter three within some tenths of a second, on a thread of the library, or of who calls seaway_rebuild: it must not block, and not call seaway_disconnect or seaway_watch_status. Calls come one after the other; the status
- * is valid during the call. NULL ends it: no call is under way when this returns. One a client. */
+ * these latter three within some tenths of a second, on a thread of the library: it must not block, and not call seaway_disconnect or seaway_watch_status. Calls come one after the other; the status
+ * is valid during the call. Of a client that is SEAWAY_STOPPED there is nothing more to tell but what seaway_rebuild makes, which is there when that
+ * returns. NULL ends it: no call is under way when this returns. One a client. */
 typedef void (*seaway_status_watch)(void* user, const seaway_status* status);
 seaway_code seaway_watch_status(seaway_client* client, seaway_status_watch watch, void* user);
 

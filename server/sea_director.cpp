@@ -361,6 +361,10 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
         // the log may have heard of this one.
         const TimeUs from_us =
             clock_.moment().elapsed_us + pace_ahead_us + others_us + writing.us();
+        if (others_us > 0) {
+            passed_over_since_us_ = SeaClock::steady_now_us() - writing.us();
+            passed_over_until_us_ = from_us;
+        }
         sea::Pace next = clock_.next_pace(from_us, permille);
         if (others_us > 0)
             next.sea_us = std::max(next.sea_us, pace.sea_time(from_us));

@@ -114,6 +114,9 @@ class SeaDirector {
     std::atomic<std::int64_t> behind_since_us_ =
         0; ///< by the steady clock; 0: all that the journal holds is played
     std::atomic<std::int64_t> writing_since_us_ = 0; ///< likewise, a change of its own; 0: none
+    /// A pace of its own that others follow and it does not, until the next one holds.
+    std::atomic<std::int64_t> passed_over_since_us_ = 0;                ///< by the steady clock
+    std::atomic<sea::TimeUs> passed_over_until_us_ = -sea::time_us_max; ///< since the epoch
     std::string doubt_; ///< of the last look; this and what follows of the director's thread
     bool handed_over_for_doubt_ = false; ///< that lasts
     bool missed_ = false;                ///< a change had begun when it came

@@ -134,6 +134,9 @@ Following SeaDirector::following() const {
     const std::int64_t since_us = behind_since_us_;
     const std::int64_t writing_since_us = writing_since_us_;
     now.writing_us = writing_since_us > 0 ? SeaClock::steady_now_us() - writing_since_us : 0;
+    if (clock_.moment().elapsed_us < passed_over_until_us_)
+        now.writing_us =
+            std::max(now.writing_us, SeaClock::steady_now_us() - passed_over_since_us_);
     now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
     now.ahead_us = clock_.moment().ahead_us;
     // Nobody else has a journal that is not shared, and to read it is to wait for a disk.

@@ -89,6 +89,12 @@ class Paces {
     double hurry(TimeUs elapsed_us) const {
         return std::max(fastest_permille(elapsed_us), pace_unit) / static_cast<double>(pace_unit);
     }
+    /// Is the sea so far behind what was shown of it, since a pace was heard of late, that waiting does not do? A second is
+    /// waited for, and of a sea that stands a tenth of one let be.
+    bool are_far_behind(TimeUs shown_us, TimeUs elapsed_us) const {
+        constexpr TimeUs made_up_within_us = 1'000'000, let_be_us = 100'000;
+        return shown_us > sea_time(elapsed_us + made_up_within_us) + let_be_us;
+    }
     /// The moment, not before `elapsed_us`, from which on it is that time; none: never.
     std::optional<TimeUs> moment_of(TimeUs sea_us, TimeUs elapsed_us) const;
 

@@ -7,10 +7,10 @@ namespace seaway::sea {
 
 FoamLawPtr FoamGlide::at(TimeUs time_us) const {
     const double share = glide_share(time_us, change_.start_us(), change_.end_us());
-    if (share <= 0.0)
-        return from_;
     if (share >= 1.0)
         return to_;
+    if (share <= 0.0 || calm())
+        return from_;
     const int step = std::min(static_cast<int>(share * steps), steps - 1);
     const std::scoped_lock lock(mutex_);
     FoamLawPtr& law = laws_[static_cast<std::size_t>(step)];

@@ -24,9 +24,14 @@ class FoamGlide {
     /// Nothing breaks on the way either.
     bool calm() const { return from_->calm() && to_->calm(); }
     /// Between which the threshold glides.
-    double first_threshold() const { return from_->calm() ? to_->threshold : from_->threshold; }
-    double last_threshold() const { return to_->calm() ? from_->threshold : to_->threshold; }
-    /// The law to go on by at this time; its mean coverage is not what the sea's glides through.
+    double first_threshold() const {
+        return from_->calm() && !to_->calm() ? to_->threshold : from_->threshold;
+    }
+    double last_threshold() const {
+        return to_->calm() && !from_->calm() ? from_->threshold : to_->threshold;
+    }
+    /// The law to go on by at this time; its mean coverage is not what the sea's glides through. Where both are calm it is
+    /// the first until the glide ends, and nothing is made.
     FoamLawPtr at(TimeUs time_us) const;
 
   private:

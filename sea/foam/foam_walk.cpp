@@ -83,16 +83,22 @@ void FoamWalk::start_for(TimeUs tick_us) {
     fresh_ = true;
 }
 
-void FoamWalk::pass_calm(TimeUs time_us) {
+int FoamWalk::pass_calm(TimeUs time_us, int most) {
     if (has_no_history())
-        return;
+        return 0;
     const TimeUs end_us = ticks_.at_or_before(time_us);
     if (!goes_on_to(end_us))
         start_for(end_us);
     if (!fresh_ || ticks_.periodic) // a loop begins with clean water
-        return;
-    while (tick_us_ < end_us && foam_idle(*law_at(ticks_.after(tick_us_)), cascade_))
-        tick_us_ = ticks_.after(tick_us_);
+        return 0;
+    int passed = 0;
+    for (; passed < most && tick_us_ < end_us; ++passed) {
+        const TimeUs next_us = ticks_.after(tick_us_);
+        if (!foam_idle(*law_at(next_us), cascade_))
+            break;
+        tick_us_ = next_us;
+    }
+    return passed;
 }
 
 int FoamWalk::ticks_to(TimeUs time_us) const {
@@ -117,8 +123,10 @@ std::optional<TimeUs> FoamWalk::next_us(TimeUs time_us) const {
 std::optional<FoamStep> FoamWalk::next(TimeUs time_us) {
     if (has_no_history())
         return std::nullopt;
-    pass_calm(time_us);
-    if (tick_us_ >= ticks_.at_or_before(time_us))
+    const TimeUs end_us = ticks_.at_or_before(time_us);
+    if (!goes_on_to(end_us))
+        start_for(end_us);
+    if (tick_us_ >= end_us)
         return std::nullopt;
     const TimeUs next_us = ticks_.after(tick_us_);
     const double remains = foam_remains(seconds_from_us(next_us - tick_us_), ticks_.decay_s);

@@ -52,18 +52,18 @@ class FoamWalk {
 
     /// For seas that change: the law of each moment; ticks stay those of the constructor's law. Where the law of a
     /// tick is calm, its strains are not looked at and the map goes towards the average; where it is there, because no
-    /// tick of the start has been of another law, there is no step. `changes`: as long as it says no, the constructor's law
-    /// is that of all moments.
+    /// tick of the start has been of another law, there is no step. Where it `changes` not, until
+    /// may_change(), the constructor's law is taken for that of all moments.
     using LawAt = std::function<FoamLawPtr(TimeUs)>;
-    using Changes = std::function<bool()>;
-    void follow(
-        LawAt law_at, Changes changes = [] { return true; }) {
+    void follow(LawAt law_at, bool changes = true) {
         law_at_ = std::move(law_at);
-        changes_ = std::move(changes);
+        changes_ = changes;
     }
+    void may_change() { changes_ = true; }
 
-    /// Past ticks at which nothing is to be done, on the way to a time: the two that follow no longer count them.
-    void pass_calm(TimeUs time_us);
+    /// Past ticks at which nothing is to be done, so many at most, on the way to a time: the two that follow no longer count
+    /// them. Says how many.
+    int pass_calm(TimeUs time_us, int most);
     /// How many steps next() has on the way to a time, at most.
     int ticks_to(TimeUs time_us) const;
     /// When the next one is, at the earliest.
@@ -83,7 +83,7 @@ class FoamWalk {
     const FoamLaw& law() const { return *law_; }
 
   private:
-    bool follows() const { return law_at_ && changes_(); }
+    bool follows() const { return law_at_ && changes_; }
     FoamLawPtr law_at(TimeUs time_us) const { return law_at_ ? law_at_(time_us) : law_; }
     /// What is held, or will be at the end of the start, is on the way to this tick.
     bool goes_on_to(TimeUs tick_us) const;
@@ -94,14 +94,13 @@ class FoamWalk {
 
     FoamLawPtr law_;
     LawAt law_at_; ///< null: it is law_ for ever
-    Changes changes_;
+    bool changes_ = false;
     int cascade_;
     FoamTicks ticks_;
     bool started_ = false;
-    bool fresh_ =
-        false; ///< the map is still that of before the start, and to be taken for the average
-    TimeUs tick_us_ = 0;        ///< the tick that the map stands at
-    TimeUs start_end_us_ = 0;   ///< before this tick the start is half-way, and the map no history
+    bool fresh_ = false;      ///< the map is that of before the start, to be taken for the average
+    TimeUs tick_us_ = 0;      ///< the tick that the map stands at
+    TimeUs start_end_us_ = 0; ///< before this tick the start is half-way, and the map no history
     double start_weight_ = 1.0; ///< of what is added until then
 };
 

@@ -150,13 +150,15 @@ Result<std::vector<Scene>> weather_scenes(const Scene& scene) {
 }
 
 Result<Scene> weather_by(const Scene& scene, TimeUs time_us) {
-    SEAWAY_TRY_LET(std::vector<Scene> scenes, weather_scenes(scene));
     std::size_t begun = 0;
-    while (begun < scenes.size() && us_from_seconds(scene.weather[begun].at_s) <= time_us)
+    while (begun < scene.weather.size() && us_from_seconds(scene.weather[begun].at_s) <= time_us)
         ++begun;
     if (begun == 0)
         return scene;
-    Scene by_then = std::move(scenes[begun - 1]);
+    Scene so_far = scene;
+    so_far.weather.resize(begun);
+    SEAWAY_TRY_LET(std::vector<Scene> scenes, weather_scenes(so_far));
+    Scene by_then = std::move(scenes.back());
     by_then.weather.assign(scene.weather.begin() + static_cast<std::ptrdiff_t>(begun),
                            scene.weather.end());
     return by_then;

@@ -61,7 +61,10 @@ SeaMoment SeaClock::locked_moment() {
 
 void SeaClock::follow(const sea::Pace& pace) {
     const std::scoped_lock lock(mutex_);
+    const sea::TimeUs elapsed_us = locked_moment().elapsed_us;
     paces_.add(pace);
+    if (paces_.are_far_behind(shown_us_, elapsed_us)) // as its clients do
+        shown_us_ = paces_.sea_time(elapsed_us);
 }
 
 sea::Pace SeaClock::next_pace(sea::TimeUs from_us, int permille) {

@@ -52,7 +52,8 @@ class SeaClock {
     explicit SeaClock(std::int64_t epoch_utc_us, Microseconds utc = utc_now_us,
                       Microseconds steady = steady_now_us, sea::Paces paces = {});
 
-    /// From its moment on. Where that is past, sea time stands until the new pace has come to where it is (SeaMoment::ahead_us).
+    /// From its moment on. Where that is past, sea time stands until the new pace has come to where it is (SeaMoment::ahead_us),
+    /// or goes back to where that is, if it is far (Paces::are_far_behind): there all clients are.
     void follow(const sea::Pace& pace);
     /// What would hold from a moment on at this pace, from where the sea is by then, and has not been beyond.
     sea::Pace next_pace(sea::TimeUs from_us, int permille);

@@ -55,7 +55,10 @@ void EffectCosts::add(std::span<const KeyframeRequest> requests, const Synthesis
     for (const KeyframeRequest& request : requests)
         for (std::size_t e = 0; e < effect_table().size(); ++e) {
             EffectCost& cost = cost_of(request, e);
-            cost.keyframes += !fields_of(effect_table()[e], request.fields).empty();
+            const sea::FieldSet held = fields_of(effect_table()[e], request.fields);
+            // At a seam the plane of foam waits for a request of its own, which has the turn.
+            const bool waits = held == sea::FieldSet{sea::Field::foam} && request.foam == nullptr;
+            cost.keyframes += !held.empty() && !waits;
             const double own = transforms_of(e, paid(request));
             if (own == 0)
                 continue;

@@ -21,8 +21,14 @@ FoamMaps::FoamMaps(SeaCoursePtr course) : course_(std::move(course)), epochs_(co
             [followed = course_](sea::TimeUs time_us) {
                 return followed->at(time_us)->foam_law_at(time_us);
             },
-            [followed = course_] { return followed->epochs() > 1; });
+            false);
+        look_for_changes(static_cast<int>(c));
     }
+}
+
+void FoamMaps::look_for_changes(int cascade) {
+    if (course_->epochs() > 1)
+        histories_[static_cast<std::size_t>(cascade)].walk.may_change();
 }
 
 void FoamMaps::follow_changes() {
@@ -77,9 +83,15 @@ Result<bool> FoamMaps::walk(KeyframeMaker& device, int cascade, sea::TimeUs time
         const std::optional<sea::TimeUs> next_us = own_history.walk.next_us(time_us);
         return next_us && *next_us <= until_us;
     };
-    own_history.walk.pass_calm(time_us);
+    constexpr int calm_per_tick = 8; // whose law is looked at, and no more
+    const int calm_max = ticks_max > std::numeric_limits<int>::max() / calm_per_tick
+                             ? std::numeric_limits<int>::max()
+                             : calm_per_tick * ticks_max;
+    const bool all_passed = own_history.walk.pass_calm(time_us, calm_max) < calm_max;
     if (!waits())
         return true;
+    if (!all_passed)
+        return false;
     SEAWAY_TRY(own(own_history, device));
     Undo steps([&own_history] { own_history.walk.restart(); }); // what it counts is not taken yet
     std::vector<FoamTurn> turns;
@@ -104,7 +116,7 @@ Result<FoamTurn> FoamMaps::turn(KeyframeMaker& device, int cascade, sea::TimeUs 
     SEAWAY_CHECK(is_near(cascade, time_us), "a history is walked to before its map is shown");
     History& own_history = history(cascade);
     FoamTurn turn;
-    own_history.walk.pass_calm(time_us);
+    own_history.walk.pass_calm(time_us, 1);
     if (own_history.walk.next_us(time_us)) {
         SEAWAY_TRY(own(own_history, device));
         if (const std::optional<sea::FoamStep> step = own_history.walk.next(time_us))
@@ -131,6 +143,7 @@ Result<std::vector<NewKeyframePtr>> FoamMaps::synthesize(KeyframeMaker& device,
         if (!requests[i].fields.contains(sea::Field::foam))
             continue;
         constexpr int all = std::numeric_limits<int>::max();
+        look_for_changes(cascade);
         SEAWAY_TRY(walk_near(device, cascade, time_us, all));
         SEAWAY_TRY_LET(turns[i], turn(device, cascade, time_us));
         requests[i].foam = &turns[i];

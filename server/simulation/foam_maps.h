@@ -60,6 +60,9 @@ class FoamMaps {
     /// Histories that are past the start of a change that was added since the last call walked through a sea that will
     /// not be: they start anew.
     void follow_changes();
+    /// Before a cascade is walked: until then its sea is taken for the only one, so that what walk() found near is so for the
+    /// turn() that follows, whatever is added in between.
+    void look_for_changes(int cascade);
 
     /// Goes on from where the other is.
     void take_over(int cascade, const FoamMaps& other) {

@@ -296,6 +296,7 @@ Result<bool> KeyframeSource::walk(FoamMaps& foam, int cascade, TimeUs time_us, T
                                   std::int64_t& budget) {
     const std::int64_t tick = foam_tick_fields * samples(cascade);
     const auto ticks_max = static_cast<int>(std::max<std::int64_t>(budget / tick, 1));
+    foam.look_for_changes(cascade);
     const int before = foam.ticks_to(cascade, time_us);
     const Result<bool> there = foam.walk(*this, cascade, time_us, ticks_max, until_us);
     if (!there && there.error().is(DeviceError::foam_lost)) {

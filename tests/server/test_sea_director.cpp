@@ -188,18 +188,39 @@ TEST_F(Director, a_pace_that_was_written_too_late_is_followed_by_one_in_which_al
     EXPECT_EQ(handed_over, 0);
 }
 
-// Naive: at a pace of 0 it is ahead of all others for as long as that lasts, and looks certain.
-TEST_F(Director, who_hears_of_a_pause_after_it_began_is_in_doubt_until_all_meet_in_another_pace) {
+// Others may follow it by then: it knows that it runs beside them.
+TEST_F(Director,
+       is_unsure_from_a_pace_of_its_own_that_it_passed_over_to_the_one_in_which_all_meet) {
+    journal.appends_take_ms = 4000;
+    SeaWish pause;
+    pause.pace_permille = 0;
+    const Result<SeaPromise> made = asked(pause);
+    ASSERT_TRUE(made) << made.error().message;
+    const sea::Pace second = journal.since(1).value().back().pace.value();
+    ASSERT_LT(clock.moment().elapsed_us, second.from_us) << "all can hear of it";
+    EXPECT_EQ(following().kind_of_doubt(), Doubt::writing);
+    ASSERT_TRUE(tests::eventually([&] { return clock.moment().elapsed_us > second.from_us; }));
+    EXPECT_EQ(following().kind_of_doubt(), Doubt::none);
+}
+
+// Naive: at a pace of 0 it is ahead of all others, and of its own clients, for as long as that lasts.
+TEST_F(Director, who_hears_of_a_pause_after_it_began_goes_back_to_where_it_began) {
     const TimeUs from_us = clock.moment().elapsed_us - 1'000'000;
     journal.by_another({.epoch = 2, .scene = {}, .pace = sea::Pace{from_us, from_us, 0}});
+    ASSERT_TRUE(tests::eventually([&] { return following().played == 2u; }));
+    EXPECT_EQ(clock.now_us(), from_us);
+    EXPECT_EQ(following().kind_of_doubt(), Doubt::none);
+}
+
+// A second is waited for, in doubt.
+TEST_F(Director,
+       who_hears_of_a_slower_pace_a_little_late_is_in_doubt_until_the_sea_has_come_there) {
+    const TimeUs from_us = clock.moment().elapsed_us - 1'000'000;
+    const TimeUs before_us = clock.now_us();
+    journal.by_another({.epoch = 2, .scene = {}, .pace = sea::Pace{from_us, from_us, 500}});
     ASSERT_TRUE(tests::eventually([&] { return following().kind_of_doubt() == Doubt::ahead; }));
     EXPECT_NE(following().doubt().find("heard of a pace too late"), std::string::npos);
-    EXPECT_GE(following().ahead_us, 1'000'000);
-    SeaWish on;
-    on.pace_permille = 1000;
-    const Result<SeaPromise> made = asked(on);
-    ASSERT_TRUE(made) << made.error().message << ": it is what ends the doubt";
-    EXPECT_EQ(made->start_us, clock.now_us()) << "forward, and for all";
+    EXPECT_GE(clock.now_us(), before_us);
     EXPECT_TRUE(tests::eventually([&] { return following().kind_of_doubt() == Doubt::none; }));
 }
 

@@ -144,6 +144,7 @@ TEST(Foam, a_calm_before_the_storm_takes_no_step_and_the_storm_begins_at_the_ave
     constexpr TimeUs storm_us = 50'000'000, tick_us = 200'000;
     FoamWalk walk(calm, 0, tick_us);
     walk.follow([&](TimeUs t_us) { return t_us <= storm_us ? calm : rough; });
+    EXPECT_GT(walk.pass_calm(storm_us, 1000), 0);
     EXPECT_FALSE(walk.next(storm_us));
     const FoamView average = walk.at(storm_us);
     EXPECT_EQ(average.tick.remains, 0.0f) << "whatever stands in the map";
@@ -161,13 +162,15 @@ TEST(Foam, a_calm_before_the_storm_takes_no_step_and_the_storm_begins_at_the_ave
     EXPECT_FALSE(walk.next(storm_us + 2 * tick_us));
     // A law that nothing follows is that of all moments: not even counted.
     FoamWalk still(calm, 0, tick_us);
-    bool changes = false;
-    still.follow([&](TimeUs) { return calm; }, [&] { return changes; });
+    still.follow([&](TimeUs) { return calm; }, false);
     EXPECT_EQ(still.ticks_to(storm_us), 0);
     EXPECT_TRUE(still.at(storm_us).is_state());
-    changes = true;
-    EXPECT_GT(still.ticks_to(storm_us), 0);
-    still.pass_calm(storm_us);
+    still.may_change();
+    const int ticks = still.ticks_to(storm_us);
+    EXPECT_GT(ticks, 7);
+    EXPECT_EQ(still.pass_calm(storm_us, 7), 7);
+    EXPECT_EQ(still.ticks_to(storm_us), ticks - 7);
+    EXPECT_EQ(still.pass_calm(storm_us, ticks), ticks - 7) << "no more than there are";
     EXPECT_EQ(still.ticks_to(storm_us), 0);
 }
 

@@ -302,6 +302,21 @@ TEST_P(FoamOn, a_calm_sea_has_ticks_from_when_a_change_makes_it_break) {
         ASSERT_EQ(ratio, 1.0f);
 }
 
+// Naive: who is near without a history has hundreds of ticks before it once a change is added, between two looks.
+TEST_P(FoamOn, a_change_that_is_added_between_walk_and_turn_leaves_what_was_near_so) {
+    set(calm_law);
+    const TomlAssignment breaks{"foam.threshold", "0.8"};
+    const auto course = std::make_shared<SeaCourse>(sea_);
+    FoamMaps maps(course);
+    constexpr TimeUs now_us = 50 * second_us;
+    ASSERT_TRUE(maps.walk_near(*device_, 0, now_us, 1).value());
+    ASSERT_TRUE(course->add(*sea::changed(sea_->scene, {&breaks, 1}), 2 * now_us, 3 * now_us));
+    ASSERT_TRUE(maps.is_near(0, now_us));
+    ASSERT_TRUE(maps.turn(*device_, 0, now_us));
+    maps.look_for_changes(0);
+    EXPECT_GT(maps.ticks_to(0, now_us), 0) << "from the next walk on it counts";
+}
+
 // Strains stay where they are: they travel only to who asked for them.
 TEST(FoamOnVulkan, keyframes_hold_what_was_asked_and_all_cascades_of_a_size_share_a_dispatch) {
     const RunningSeaPtr sea = running_sea(steady);
