@@ -55,8 +55,10 @@ static inline void seaway_add_column(const seaway_corner* corner, const seaway_a
     seaway_add(load->force_n, 1, force);
     seaway_add(load->torque_nm, 1, torque);
     load->submerged_m3 += volume_m3 * share;
-    if (share > 0 && share < 1)
-        load->dips_m3ps += volume_m3 / column_m * corner->flow_mps[2];
+    if (share > 0 && share < 1) /* by how fast the water rises along it */
+        load->dips_m3ps +=
+            volume_m3 / column_m *
+            (corner->flow_mps[2] - slope[0] * corner->flow_mps[0] - slope[1] * corner->flow_mps[1]);
     const double area_m2 = volume_m3 / column_m * share;
     const double drag_nspm = area_m2 * (linear + quadratic * seaway_length(corner->flow_mps));
     for (int i = 0; i < 3; ++i) {

@@ -139,18 +139,21 @@ static inline void seaway_add_munk(const double momentum[3], const double beside
     seaway_add(spin, share_s, munk);
 }
 
-/* Turns a body of this angular momentum, by what its inertia is half of the way. */
+/* Turns a body of this angular momentum, by what its inertia is half of the way: looked for three times, since with that of the first
+ * look a spin would creep towards the axis of the least inertia, and gain energy by it. */
 static inline void seaway_turn_on(const seaway_masses* masses, const double spin[3], double part_s,
                                   double orientation[4]) {
     double rows[3][3], turn[3], half[4];
-    for (int i = 0; i < 4; ++i)
-        half[i] = orientation[i];
-    seaway_rows(half, rows);
-    seaway_along_axes(rows, masses->per_kgm2, spin, turn);
-    for (int i = 0; i < 3; ++i)
-        turn[i] *= 0.5 * part_s;
-    seaway_turn(half, turn);
-    seaway_rows(half, rows);
+    seaway_rows(orientation, rows);
+    for (int look = 0; look < 3; ++look) {
+        seaway_along_axes(rows, masses->per_kgm2, spin, turn);
+        for (int i = 0; i < 3; ++i)
+            turn[i] *= 0.5 * part_s;
+        for (int i = 0; i < 4; ++i)
+            half[i] = orientation[i];
+        seaway_turn(half, turn);
+        seaway_rows(half, rows);
+    }
     seaway_along_axes(rows, masses->per_kgm2, spin, turn);
     for (int i = 0; i < 3; ++i)
         turn[i] *= part_s;
@@ -256,8 +259,9 @@ static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body*
                                            const seaway_point* points, const seaway_answer* answers,
                                            double step_s) {
     seaway_body moved = *body;
-    if (!(step_s >= 0 && step_s <= 1) || seaway_hull_numbers_fault(hull) ||
-        seaway_hull_parts_fault(hull))
+    int parts_left = SEAWAY_PARTS_MAX;
+    if (!(step_s >= 0 && step_s <= 1) || !seaway_is_somewhere(body) ||
+        seaway_hull_numbers_fault(hull) || seaway_hull_parts_fault(hull))
         return SEAWAY_BAD_ARGUMENT;
     for (size_t v = 0; v < hull->vertex_count; ++v)
         if (!seaway_is_known(&answers[v]) ||
@@ -273,7 +277,9 @@ static inline seaway_code seaway_hull_step(const seaway_hull* hull, seaway_body*
         seaway_load load;
         const double part_s = left_s / fmax(ceil(left_s * fastest_radps / 0.25), 1);
         seaway_hull_load(hull, &moved, points, answers, step_s - left_s + 0.5 * part_s, &load);
-        left_s -= seaway_advance(hull, &moved, &load, part_s, shortest_s, fastest_radps);
+        left_s -= --parts_left > 0
+                      ? seaway_advance(hull, &moved, &load, part_s, shortest_s, fastest_radps)
+                      : seaway_advance(hull, &moved, &load, left_s, left_s, fastest_radps);
     }
     if (!seaway_is_somewhere(&moved))
         return SEAWAY_BAD_ARGUMENT;

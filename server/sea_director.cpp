@@ -25,6 +25,7 @@ namespace {
 constexpr TimeUs spare_us = 1'000'000;
 /// A pace is told of this long before it holds, so that all who hear it change over at the same moment.
 constexpr TimeUs pace_ahead_us = 1'000'000;
+constexpr TimeUs promised_kept_us = 3'600'000'000;
 /// And in time, where so much of that is left when it was written.
 constexpr TimeUs pace_told_us = 500'000;
 /// One that was written too late is followed by another, with more time, so often at most.
@@ -255,12 +256,14 @@ void SeaDirector::is_promised(TimeUs start_us) {
 
 Result<void> SeaDirector::check_promised(const SeaWish& wish) {
     const TimeUs now_us = clock_.now_us();
-    std::erase_if(promised_, [now_us](TimeUs start_us) { return start_us <= now_us; });
+    // What has begun may come again where sea time goes back (SeaClock::follow).
+    std::erase_if(promised_,
+                  [now_us](TimeUs start_us) { return start_us <= now_us - promised_kept_us; });
     std::vector<TimeUs> soon;
     const TimeUs soon_us = now_us + world_.announced_ahead();
     std::ranges::copy_if(promised_, std::back_inserter(soon), [&](TimeUs start_us) {
         const bool taken_over = wish.at_us > now_us && start_us > wish.at_us;
-        return start_us < soon_us && !taken_over;
+        return start_us > now_us && start_us < soon_us && !taken_over;
     });
     if (soon.size() < changes_promised_max || wish.at_us >= soon_us)
         return {};
@@ -369,8 +372,10 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
         if (others_us > 0)
             next.sea_us = std::max(next.sea_us, pace.sea_time(from_us));
         const Result<bool> written = log_pace(next);
-        if (!written)
+        if (!written) {
+            passed_over_until_us_ = -sea::time_us_max; // it will follow that one
             break;
+        }
         pace = next;
         in_time = *written;
     }

@@ -84,7 +84,7 @@ sea::TimeUs World::announce_due() {
     Announce announce;
     {
         const std::scoped_lock lock(mutex_);
-        told_.swap(told); // what has left the windows does not come back
+        told_.swap(told); // what has left the windows is told anew should it come back
         origins_.swap(origins);
         announce = announce_;
     }

@@ -46,7 +46,7 @@ class BenchPoints {
 };
 
 /// Of BenchPoints: queries one after the other, then several at once, about two seconds each. Local ones, one after the other,
-/// of tiles that are streamed or of waves.
+/// of tiles that are streamed, and fetched where they come too late, or of waves.
 Result<void> run_bench(Client& client, const QueryOptions& options, const std::atomic<bool>& stop,
                        std::FILE* out);
 

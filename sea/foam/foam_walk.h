@@ -84,7 +84,7 @@ class FoamWalk {
 
   private:
     bool follows() const { return law_at_ && changes_; }
-    FoamLawPtr law_at(TimeUs time_us) const { return law_at_ ? law_at_(time_us) : law_; }
+    FoamLawPtr law_at(TimeUs time_us) const { return follows() ? law_at_(time_us) : law_; }
     /// What is held, or will be at the end of the start, is on the way to this tick.
     bool goes_on_to(TimeUs tick_us) const;
     void start_for(TimeUs tick_us);

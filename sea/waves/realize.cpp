@@ -281,6 +281,13 @@ Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> ca
     return realize_with(spectra, sea, cascades);
 }
 
+std::optional<WaveLaw> wave_law(const SeaState& sea, const Realization& realization) {
+    const auto has_sines = [](const CascadeModes& modes) { return !modes.sines.empty(); };
+    if (std::ranges::any_of(realization.cascades, has_sines))
+        return std::nullopt;
+    return WaveLaw{sea.dispersion(), realization.loop_period_us};
+}
+
 Result<Realization> realize_clocks(const SeaState& sea, std::span<const CascadeSpec> cascades) {
     SEAWAY_TRY_LET(Realization clocks, realize_with({}, sea, cascades));
     for (CascadeModes& modes : clocks.cascades)

@@ -9,9 +9,11 @@
 // 256 x 256 take about 30 ms a wave system on one core.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "sea/basics/cascade.h"
+#include "sea/basics/dispersion.h"
 #include "sea/waves/realization.h"
 #include "sea/waves/sea_state.h"
 
@@ -22,6 +24,9 @@ namespace seaway::sea {
 /// Errors: cascades that leave a gap or stand in the wrong order (assign_bands), explicit waves
 /// that their tile cannot hold.
 Result<Realization> realize(const SeaState& sea, std::span<const CascadeSpec> cascades);
+
+/// By what law its keyframes follow from each other; none where some waves are no modes.
+std::optional<WaveLaw> wave_law(const SeaState& sea, const Realization& realization);
 
 /// The same without amplitudes (h0 is empty): tiles, frequencies and phases. About 2 ms.
 Result<Realization> realize_clocks(const SeaState& sea, std::span<const CascadeSpec> cascades);

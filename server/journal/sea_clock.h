@@ -2,7 +2,7 @@
 // The sea's clock: how long ago, by UTC, the sea's epoch was, and which time of the sea it is. So a server that was restarted goes on at the time at
 // which it would be, and servers with one epoch agree as well as their clocks do.
 //
-// Time never goes backwards and, but for one case, never jumps: it runs with the steady clock of the machine
+// Time never goes backwards, but where a pace was heard of late (follow()), and never jumps, but for one case: it runs with the steady clock of the machine
 // and is pulled towards UTC by at most one part in 2500: less than what a clock that follows it takes for drift (base/clock_filter.h). Where UTC is far ahead (the machine slept, or its clock was set)
 // the sea follows at once.
 //

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -303,8 +304,9 @@ void Encoder::remember(EncodedKeyframePtr encoded) {
 }
 
 void Encoder::forget_what_is_over(const sea::Keyframe& next, Quality quality) {
-    std::erase_if(bases_,
-                  [&](const Base& one) { return one.time_us < next.time_us - base_age_us_max; });
+    std::erase_if(bases_, [&](const Base& one) {
+        return std::abs(one.time_us - next.time_us) > base_away_us_max;
+    });
     const std::uint64_t now = ++streamed_[{next.cascade, quality}];
     std::erase_if(cache_, [&](const Remembered& held) {
         return held.keyframe->cascade == next.cascade && held.keyframe->quality == quality &&

@@ -158,8 +158,9 @@ class Encoder {
     void count(const EncoderCounters& more);
     /// Of 8 cascades of two seas at four qualities.
     static constexpr std::size_t bases_max = 64;
-    /// Nothing follows a keyframe that lies so far before what is streamed: its sea is over, or nobody reads it.
-    static constexpr sea::TimeUs base_age_us_max = 60'000'000;
+    /// Nothing follows a keyframe that lies so far from what is streamed: its sea is over, nobody reads it, or sea time has gone
+    /// back. What is a little newer stays: a newcomer's first keyframes are older than what the stream is at.
+    static constexpr sea::TimeUs base_away_us_max = 60'000'000;
 
     struct Remembered {
         EncodedKeyframePtr keyframe;

@@ -69,10 +69,7 @@ std::vector<sea::TimeUs> shorter_intervals(const sea::ErrorBudget& a, const sea:
 } // namespace
 
 std::optional<sea::WaveLaw> RunningSea::wave_law() const {
-    const auto has_sines = [](const sea::CascadeModes& modes) { return !modes.sines.empty(); };
-    if (glide || std::ranges::any_of(realization->cascades, has_sines))
-        return std::nullopt;
-    return sea::WaveLaw{scene.sea.dispersion(), realization->loop_period_us};
+    return glide ? std::nullopt : sea::wave_law(scene.sea, *realization);
 }
 
 sea::Choppiness RunningSea::choppiness_at(sea::TimeUs time_us) const {

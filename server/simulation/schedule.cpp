@@ -185,6 +185,10 @@ void Schedule::take_due(const CascadePlan& plan, Lane lane, TimeUs now_us, Due& 
 }
 
 Schedule::Due Schedule::take_due(const EffectPlan& plan, TimeUs now_us) {
+    if (now_us < seen_us_)
+        for (auto& lanes : streams_)
+            lanes.fill(std::nullopt);
+    seen_us_ = now_us;
     Due due;
     for (std::size_t rate = 0; rate < rate_rungs_hz.size(); ++rate)
         for (std::size_t c = 0; c < streams_.size(); ++c)

@@ -132,14 +132,16 @@ class Schedule {
     const std::optional<Stream>& running(Lane lane) const {
         return streams_[lane.cascade][lane.rate];
     }
+    /// Where sea time has gone back (SeaClock::follow) it begins anew.
     Stream stream(Lane lane, sea::TimeUs now_us) const {
-        return running(lane) ? *running(lane) : started(lane, now_us);
+        return running(lane) && now_us >= seen_us_ ? *running(lane) : started(lane, now_us);
     }
 
     const SeaCourse& course_;
     sea::TimeUs lead_us_ = publish_lead_us;
     sea::TimeUs catch_up_us_ = catch_up_us;
     sea::TimeUs made_ahead_us_ = made_ahead_us;
+    sea::TimeUs seen_us_ = -sea::time_us_max; ///< at the last take_due()
     /// While they run: of each cascade one a rate.
     std::vector<std::array<std::optional<Stream>, rate_rungs_hz.size()>> streams_;
 };

@@ -65,6 +65,42 @@ TEST(Buoyancy, a_box_that_nothing_slows_rolls_and_pitches_for_ever_and_no_faster
         EXPECT_NEAR(most, most_j[0], 0.3 * most_j[0]);
 }
 
+// Naive: with the inertia of one look half of the way it gains 4 to 60 % within five minutes, towards the axis of the least.
+TEST(Buoyancy, a_spin_in_the_air_keeps_its_energy) {
+    for (const double spin_radps : {2.0, 8.0, 20.0}) {
+        Floating box;
+        const double about[3] = {1, 0.3, 0.1};
+        for (int i = 0; i < 3; ++i)
+            box.body.angular_velocity_radps[i] = spin_radps * about[i];
+        const auto energy_j = [&] {
+            double rows[3][3], momentum[3];
+            seaway_rows(box.body.orientation, rows);
+            seaway_along_axes(rows, box.hull.inertia_kgm2, box.body.angular_velocity_radps,
+                              momentum);
+            return 0.5 * seaway_dot(momentum, box.body.angular_velocity_radps);
+        };
+        const double before_j = energy_j();
+        for (int i = 0; i < 300 * 60; ++i) {
+            box.body.position_m[2] = 1e6;
+            ASSERT_EQ(box.ride(still_water, 0, frame_s), SEAWAY_OK);
+        }
+        EXPECT_NEAR(energy_j(), before_j, 0.01 * before_j) << spin_radps;
+    }
+}
+
+// Naive: a thousandth of the smallest number is 0, and so is the part of a step of what spins beyond all numbers: it never ends.
+TEST(Buoyancy, steps_of_any_length_of_any_spin_end) {
+    for (const double step_s : {1e-321, 1.0 / 60, 1.0})
+        for (const double spin_radps : {0.0, 1e5, 1e200, std::nan("")}) {
+            Floating box;
+            box.body.angular_velocity_radps[1] = spin_radps;
+            const seaway_code code = box.ride(still_water, 0, step_s);
+            EXPECT_TRUE(spin_radps < 1e100 ? code == SEAWAY_OK
+                                           : code == SEAWAY_BAD_ARGUMENT || step_s < 1e-300)
+                << spin_radps << ' ' << step_s << ' ' << code;
+        }
+}
+
 // Naive: whoever needs many parts weighs nothing.
 TEST(Buoyancy, a_slender_hull_is_refused_steps_that_are_too_long_for_it) {
     Floating canoe;

@@ -165,6 +165,12 @@ TEST(Foam, a_calm_before_the_storm_takes_no_step_and_the_storm_begins_at_the_ave
     still.follow([&](TimeUs) { return calm; }, false);
     EXPECT_EQ(still.ticks_to(storm_us), 0);
     EXPECT_TRUE(still.at(storm_us).is_state());
+    // Nor looked at.
+    FoamWalk alone(rough, 0, tick_us), watched(rough, 0, tick_us);
+    watched.follow([&](TimeUs) { return calm; }, false);
+    EXPECT_EQ(watched.at(storm_us + 1).tick.remains, alone.at(storm_us + 1).tick.remains);
+    EXPECT_EQ(watched.at(storm_us + 1).departure, alone.at(storm_us + 1).departure);
+    EXPECT_EQ(watched.next(storm_us)->tick.looks(), alone.next(storm_us)->tick.looks());
     still.may_change();
     const int ticks = still.ticks_to(storm_us);
     EXPECT_GT(ticks, 7);

@@ -124,6 +124,28 @@ TEST(PredictedTiles, only_what_is_newer_takes_part) {
     EXPECT_EQ(encode(encoder, running_keyframe(9))->base, 4u);
 }
 
+// Naive: what is newer stays the base of a stream whose sea has gone back to where a pause began, and until it has come there
+// again every keyframe is whole.
+TEST(PredictedTiles, of_a_stream_that_goes_back_the_second_keyframe_is_predicted_again) {
+    Encoder encoder;
+    const std::shared_ptr<Room> streamed = Room::of(100'000'000);
+    const auto stream = [&](int interval) {
+        const auto made = encoder.encode(running_keyframe(interval), std::span(bounds).first(2),
+                                         quality, both_fields, predicted, streamed.get());
+        EXPECT_TRUE(made);
+        return *made;
+    };
+    for (const int interval : {1000, 1001})
+        stream(interval);
+    const EncodedKeyframePtr first = stream(1);
+    EXPECT_EQ(first->base, 0u);
+    const EncodedKeyframePtr second = stream(2);
+    EXPECT_EQ(second->base, first->number);
+    // Nor does a newcomer's start, which is older, take the base from those who are there.
+    EXPECT_EQ(stream(0)->base, 0u);
+    EXPECT_EQ(stream(3)->base, second->number);
+}
+
 TEST(PredictedTiles, nothing_is_predicted_without_a_law_or_both_maps_or_where_it_does_not_pay) {
     Encoder encoder;
     for (int n = 0; n < 3; ++n) {

@@ -133,6 +133,22 @@ TEST(Schedule, of_a_sea_that_runs_faster_than_clocks_keyframes_come_as_much_earl
         EXPECT_GE(next_lead(), publish_lead_us);
 }
 
+// Naive: a stream stays where it was when the sea goes back to where a pause began, with nothing to send until then, and whoever
+// comes is sent all that lies between.
+TEST(Schedule, where_sea_time_goes_back_it_begins_anew_and_newcomers_are_sent_what_is_around_now) {
+    Schedule schedule(course()), fresh(course());
+    const EffectPlan wanted = plan(height, height);
+    for (TimeUs now_us = 60'000'000; now_us < 63'000'000; now_us += 50'000)
+        (void)all_due(schedule, wanted, now_us);
+    constexpr TimeUs now_us = 3'000'000;
+    const Demand demand{.cascades = 3, .fields = height};
+    EXPECT_EQ(schedule.current(demand, now_us).size(), fresh.current(demand, now_us).size());
+    const std::vector<KeyframeRequest> due = all_due(schedule, wanted, now_us);
+    EXPECT_EQ(due.size(), all_due(fresh, wanted, now_us).size());
+    EXPECT_FALSE(due.empty());
+    EXPECT_EQ(schedule.next_due_us(wanted), fresh.next_due_us(wanted));
+}
+
 TEST(Schedule, after_a_leap_it_goes_on_with_the_keyframe_of_now_and_counts_the_rest) {
     Schedule schedule(course());
     const EffectPlan wanted = plan({}, height);

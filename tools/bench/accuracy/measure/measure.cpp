@@ -151,7 +151,7 @@ Result<std::vector<Figure>> errors_of(ConfiguredSea& sea, const Truth& truth, co
     return all;
 }
 
-/// Points that answers are timed at: those anywhere of one time.
+/// Points that answers are timed at: those anywhere.
 std::vector<sea::QueryPoint> timed_points(const Truth& truth) {
     std::vector<sea::QueryPoint> points;
     for (const SamplePoint& point : truth.points)

@@ -8,6 +8,7 @@
 #include "base/worse.h"
 #include "protocol/tile_codec.h"
 #include "sea/surface/maps/regrid.h"
+#include "sea/waves/realize.h"
 #include "server/host/grant.h"
 
 namespace seaway::bench {
@@ -22,13 +23,6 @@ server::Quality quality_of(Tiles form) {
         {.compact = form != Tiles::whole, .predicted = form == Tiles::predicted});
 }
 
-std::optional<sea::WaveLaw> law_of(const Waves& waves) {
-    const auto has_sines = [](const sea::CascadeModes& modes) { return !modes.sines.empty(); };
-    if (std::ranges::any_of(waves.used->cascades, has_sines))
-        return std::nullopt;
-    return sea::WaveLaw{waves.state.dispersion(), waves.used->loop_period_us};
-}
-
 } // namespace
 
 double cpu_seconds() {
@@ -37,7 +31,7 @@ double cpu_seconds() {
 
 TileStream::TileStream(const Waves& waves, Tiles form, double codec_error_m)
     : budget_(waves.budget), depth_m_(waves.state.depth_m), quality_(quality_of(form)),
-      law_(law_of(waves)), costs_(waves.budget.cascades.size()),
+      law_(sea::wave_law(waves.state, *waves.used)), costs_(waves.budget.cascades.size()),
       streams_(waves.budget.cascades.size()) {
     budget_.codec_error_m = codec_error_m;
 }

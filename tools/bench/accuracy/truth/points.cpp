@@ -52,8 +52,8 @@ void take(std::vector<Candidate>& candidates, std::size_t count, Before before, 
 } // namespace
 
 sea::TimeUs sample_time_us(int index) {
-    // Of all steps of whole milliseconds up to 16 s that which spreads 32 times best over the worst of all intervals: what
-    // Hermite misses there, as (s (1 - s))^4, has a mean within 7 % of the true one.
+    // A step that spreads 32 times evenly over each interval that keyframes may have: what Hermite misses there, as
+    // (s (1 - s))^4, has a mean within 7 % of the true one; of 8 times within 27 %.
     constexpr sea::TimeUs step_us = 1'778'000;
     const double base_s = time_bases_s[static_cast<std::size_t>(index) % std::size(time_bases_s)];
     return sea::us_from_seconds(base_s) + index * step_us;
