@@ -22,4 +22,10 @@ Value quantile(std::vector<Value>& values, double share) {
     return *place;
 }
 
+/// Of none: 0. Of two the smaller.
+template <class Value>
+Value median(std::vector<Value> values) {
+    return quantile(values, 0.5);
+}
+
 } // namespace seaway

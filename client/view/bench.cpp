@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/view/bench.h"
 
-#include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "base/elapsed.h"
+#include "base/quantile.h"
 #include "base/text_file.h"
 #include "client/link/failure.h"
 #include "client/view/debug/debug_pictures.h"
@@ -21,16 +20,6 @@ namespace seaway::client {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(),
-                     values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
-
-double cpu_s() {
-    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 } // namespace
 
@@ -57,12 +46,12 @@ Result<void> bench(SeaSource& source, Renderer& renderer, const ViewOptions& opt
             SEAWAY_TRY(renderer.show(frame, options.camera, sky, options.debug, display));
         }
         const Clock::time_point start = Clock::now();
-        const double cpu_start_s = cpu_s();
+        const double cpu_start_s = process_cpu_seconds();
         SEAWAY_TRY(
             renderer.draw(frame, options.camera, sky, options.debug, display, Wanted::nothing));
         SEAWAY_TRY(renderer.finish());
         all_s += seconds_since(start);
-        all_cpu_s += cpu_s() - cpu_start_s;
+        all_cpu_s += process_cpu_seconds() - cpu_start_s;
         const std::vector<double>& times = renderer.pass_times();
         for (std::size_t pass = 0; pass < times.size(); ++pass)
             passes[pass].push_back(times[pass]);

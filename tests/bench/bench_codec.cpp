@@ -18,6 +18,8 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/elapsed.h"
+#include "base/quantile.h"
 #include "sea/native/native_runner.h"
 #include "sea/scene/scene.h"
 #include "tests/bench/codec_contenders.h"
@@ -95,11 +97,11 @@ struct Tally {
 };
 
 void code(const Codec& codec, const Tile& tile, float error_m, bool first, Tally& tally) {
-    const double start = cpu_milliseconds();
+    const double start = 1e3 * process_cpu_seconds();
     const std::vector<std::uint8_t> bytes = codec.encode(tile.map, map_side, error_m);
-    const double between = cpu_milliseconds();
+    const double between = 1e3 * process_cpu_seconds();
     const std::vector<float> back = codec.decode(bytes, map_side, error_m);
-    tally.decode_ms.push_back(cpu_milliseconds() - between);
+    tally.decode_ms.push_back(1e3 * process_cpu_seconds() - between);
     tally.encode_ms.push_back(between - start);
     if (!first)
         return;

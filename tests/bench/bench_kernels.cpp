@@ -23,6 +23,8 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/elapsed.h"
+#include "base/quantile.h"
 #include "server/device/vulkan_batch.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/bench/contenders.h"
@@ -180,13 +182,13 @@ void time_start(const Settings& settings, int size) {
     auto sea = std::make_shared<sea::Realization>();
     sea->cascades.push_back(sea::random_modes(size, settings.reach * size / 2, 0, 100.0));
     for (const bool any_device : {false, true}) {
-        const double begin = cpu_milliseconds();
+        const double begin = 1e3 * process_cpu_seconds();
         auto synthesizer = need(server::make_vulkan_synthesizer(
             {.device = settings.device, .any_device_kernels = any_device}));
-        const double made = cpu_milliseconds();
+        const double made = 1e3 * process_cpu_seconds();
         need(synthesizer->set_sea(sea, 1));
         fmt::print("{:5} {:7} device and its check {:6.0f} ms, the size {:6.0f} ms: {}\n", size,
-                   any_device ? "any" : "fastest", made - begin, cpu_milliseconds() - made,
+                   any_device ? "any" : "fastest", made - begin, 1e3 * process_cpu_seconds() - made,
                    synthesizer->description());
     }
 }

@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include "base/command_line.h"
+#include "base/quantile.h"
 #include "sea/native/native_runner.h"
 #include "tests/bench/contenders.h"
 #include "tests/bench/fftw_yardstick.h"

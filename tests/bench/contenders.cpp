@@ -2,23 +2,14 @@
 #include "tests/bench/contenders.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "base/check.h"
+#include "base/elapsed.h"
 #include "tests/sea/native/random_modes.h"
 
 namespace seaway::bench {
-
-namespace {
-
-double milliseconds_of(clockid_t clock) {
-    timespec now{};
-    clock_gettime(clock, &now);
-    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
-
-} // namespace
 
 std::vector<sea::CascadeModes> three_cascades(int size, double reach) {
     std::vector<sea::CascadeModes> modes;
@@ -31,20 +22,11 @@ std::vector<sea::CascadeModes> three_cascades(int size, double reach) {
 }
 
 void run_timed(Contender& contender, sea::TimeUs time_us) {
-    const double wall = milliseconds_of(CLOCK_MONOTONIC);
-    const double cpu = cpu_milliseconds();
+    const auto start = std::chrono::steady_clock::now();
+    const double cpu_s = process_cpu_seconds();
     contender.run(time_us);
-    contender.cpu_ms.push_back(cpu_milliseconds() - cpu);
-    contender.wall_ms.push_back(milliseconds_of(CLOCK_MONOTONIC) - wall);
-}
-
-double cpu_milliseconds() {
-    return milliseconds_of(CLOCK_PROCESS_CPUTIME_ID);
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
+    contender.cpu_ms.push_back(1e3 * (process_cpu_seconds() - cpu_s));
+    contender.wall_ms.push_back(1e3 * seconds_since(start));
 }
 
 double fastest(const std::vector<double>& values) {

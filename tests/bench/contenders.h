@@ -34,8 +34,6 @@ struct Contender {
 /// Runs once and adds its times.
 void run_timed(Contender& contender, sea::TimeUs time_us);
 
-double cpu_milliseconds();
-double median(std::vector<double> values);
 double fastest(const std::vector<double>& values);
 
 /// Stops where a plane of one program differs from that of another by 1e-4 of its rms. A slope

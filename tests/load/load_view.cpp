@@ -11,35 +11,24 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
-#include <fstream>
 #include <string>
 #include <thread>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "base/elapsed.h"
 #include "client/view/sea/device_sea.h"
 #include "client/view/sea/sea_source.h"
 #include "client/window/feed.h"
 #include "gpu/device.h"
+#include "tests/support/process_status.h"
 
 using namespace seaway;
 using namespace seaway::client;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-double cpu_s() {
-    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-double resident_mb() {
-    std::ifstream file("/proc/self/statm");
-    double size = 0, resident = 0;
-    file >> size >> resident;
-    return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
-}
 
 class Watcher {
   public:
@@ -72,7 +61,8 @@ class Watcher {
         const FeedStatus status = feed_.status();
         fmt::print("{:.0f},{:.2f},{:.1f},{:.2f},{:.2f},{:.1f}\n",
                    std::chrono::duration<double>(Clock::now() - start_).count(),
-                   100 * (cpu_s() - row_cpu_s_) / seconds, resident_mb(),
+                   100 * (process_cpu_seconds() - row_cpu_s_) / seconds,
+                   1e-6 * seaway::tests::memory_bytes(::getpid()),
                    static_cast<double>(status.keyframes - row_keyframes_) / seconds,
                    static_cast<double>(sea_.copies() - row_copies_) / seconds,
                    100.0 * held_ / std::max(frames_, 1));
@@ -90,7 +80,7 @@ class Watcher {
     }
     void begin_row() {
         row_start_ = Clock::now();
-        row_cpu_s_ = cpu_s();
+        row_cpu_s_ = process_cpu_seconds();
         row_keyframes_ = feed_.status().keyframes;
         row_copies_ = sea_.copies();
         frames_ = held_ = 0;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/elapsed.h"
+#include "base/quantile.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 #include "server/device/device_choice.h"
@@ -57,12 +58,6 @@ struct Bench {
 double transform_operations(int size) {
     const double points = static_cast<double>(size) * size;
     return 2.5 * points * std::log2(points);
-}
-
-double median(std::vector<double> seconds) {
-    const auto middle = seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2);
-    std::ranges::nth_element(seconds, middle);
-    return *middle;
 }
 
 /// The scene with all effects, on tiles of so many points.

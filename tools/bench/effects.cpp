@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/effects.h"
 
-#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/quantile.h"
 #include "server/device/device_choice.h"
 #include "server/simulation/effect_costs.h"
 #include "tools/bench/accuracy/journal.h"
@@ -57,21 +57,18 @@ class Laps {
     /// Of one second: medians of times, means of what is counted.
     Spent a_second(std::size_t demand) const {
         const std::vector<Spent>& laps = laps_[demand];
-        const auto median = [&](double Spent::*time) {
+        const auto median_of = [&](double Spent::*time) {
             std::vector<double> times;
             for (const Spent& lap : laps)
                 times.push_back(lap.*time);
-            std::nth_element(times.begin(),
-                             times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2),
-                             times.end());
-            return times[times.size() / 2];
+            return median(std::move(times));
         };
         Spent sum;
         for (const Spent& lap : laps)
             sum += lap;
         Spent one = sum / static_cast<double>(laps.size());
-        one.maps_s = median(&Spent::maps_s);
-        one.stream_s = median(&Spent::stream_s);
+        one.maps_s = median_of(&Spent::maps_s);
+        one.stream_s = median_of(&Spent::stream_s);
         return one / sea::seconds_from_us(lap_us);
     }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "client/held/tile_assembly.h"
 #include "server/device/device_choice.h"
 #include "server/host/grant.h"
@@ -59,11 +60,11 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
         // Foam may have come with what it stands on.
         const std::vector<float> bounds =
             server::maps_of(sea.budget, cascade, made[0]->fields, grant.quality).codec_error;
-        const double start_s = cpu_seconds();
+        const double start_s = process_cpu_seconds();
         SEAWAY_TRY_LET(const server::EncodedKeyframePtr encoded,
                        encoder.encode(*made[0], bounds, grant.quality, grant.fields,
                                       {maps.compact_size, grant.follows, maps.coarser, law}));
-        const double encoded_s = cpu_seconds();
+        const double encoded_s = process_cpu_seconds();
         protocol::MessageReader reader(protocol::Sender::server);
         const bool begins = n < 0;
         sum.joining_bits = 8.0 * static_cast<double>(message_bytes(*encoded, grant.fields));
@@ -85,7 +86,7 @@ Result<Sum> measure(const RunningSea& sea, server::Synthesizer& device, int casc
             }
         }
         sum.encode_s += begins ? 0.0 : encoded_s - start_s;
-        sum.take_s += begins ? 0.0 : cpu_seconds() - encoded_s;
+        sum.take_s += begins ? 0.0 : process_cpu_seconds() - encoded_s;
     }
     const double rate = 1.0 / sea::seconds_from_us(interval_us);
     for (const FieldCost& row : rows) {

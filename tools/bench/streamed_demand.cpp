@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/elapsed.h"
 #include "protocol/limits.h"
 #include "protocol/tile_codec.h"
 #include "tools/bench/accuracy/seas/configured_sea.h"
@@ -75,13 +76,13 @@ Result<void> StreamedDemand::encode(const sea::Keyframe& keyframe, Spent& spent)
 }
 
 Result<void> StreamedDemand::serve(const std::vector<KeyframeRequest>& due, Spent& spent) {
-    const double start_s = cpu_seconds();
+    const double start_s = process_cpu_seconds();
     SEAWAY_TRY_LET(const std::vector<server::NewKeyframePtr> made, foam_.synthesize(device_, due));
-    const double made_s = cpu_seconds();
+    const double made_s = process_cpu_seconds();
     for (const server::NewKeyframePtr& keyframe : made)
         SEAWAY_TRY(encode(*keyframe, spent));
     spent.maps_s += made_s - start_s;
-    spent.stream_s += cpu_seconds() - made_s;
+    spent.stream_s += process_cpu_seconds() - made_s;
     spent.keyframes += static_cast<double>(made.size());
     return {};
 }

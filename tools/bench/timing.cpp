@@ -5,14 +5,12 @@
 #include <chrono>
 
 #include "base/elapsed.h"
+#include "base/quantile.h"
 
 namespace seaway::bench {
 
 double Variant::median_s() const {
-    std::vector<double> sorted = seconds;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return sorted.empty() ? 0.0 : *middle;
+    return median(seconds);
 }
 
 double Variant::least_s() const {

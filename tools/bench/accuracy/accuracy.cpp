@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/elapsed.h"
 #include "base/instructions.h"
 #include "server/device/device_choice.h"
 #include "tools/bench/accuracy/journal.h"
@@ -166,11 +167,11 @@ Result<void> Run::one(const Job& job) {
     const TrialName name{job.state, std::string(job.knob), job.trial.value, where.device};
     if (journal_.has(name))
         return {};
-    const double start = cpu_seconds();
+    const double start = process_cpu_seconds();
     SEAWAY_TRY_LET(const sea::Scene scene, sea_state(job.state, options_.seed));
     SEAWAY_TRY_LET(const std::vector<Figure> figures, measured(job, scene));
     ++added_;
-    return journal_.add(name, where, figures, cpu_seconds() - start);
+    return journal_.add(name, where, figures, process_cpu_seconds() - start);
 }
 
 Result<void> Run::all() {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/elapsed.h"
+#include "base/quantile.h"
 #include "tools/bench/accuracy/seas/sea_states.h"
 
 namespace seaway::bench {
@@ -10,12 +12,6 @@ namespace seaway::bench {
 namespace {
 
 constexpr int keyframes_a_round = 4;
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return values.empty() ? 0.0 : *middle;
-}
 
 /// A gale on one tile of this size: what keyframes are timed with. As full of waves as any.
 Result<sea::RealizationPtr> timed_sea(int size) {
@@ -43,7 +39,7 @@ Result<Stage> StageCosts::keyframe(const Configuration& configuration, int size,
     std::vector<double> cpu, own;
     sea::TimeUs time_us = 0;
     for (int round = -1; round < rounds_; ++round) {
-        const double cpu_before = cpu_seconds();
+        const double cpu_before = process_cpu_seconds();
         const double own_before = device->counters().device_seconds;
         for (int i = 0; i < keyframes_a_round; ++i) {
             const server::KeyframeRequest request{0, time_us += 1'000'003,
@@ -52,7 +48,7 @@ Result<Stage> StageCosts::keyframe(const Configuration& configuration, int size,
         }
         if (round < 0)
             continue;
-        cpu.push_back((cpu_seconds() - cpu_before) * 1e3 / keyframes_a_round);
+        cpu.push_back((process_cpu_seconds() - cpu_before) * 1e3 / keyframes_a_round);
         own.push_back((device->counters().device_seconds - own_before) * 1e3 / keyframes_a_round);
     }
     return keyframes_[key] = {median(cpu), median(own)};
@@ -69,9 +65,9 @@ double StageCosts::spline_ms(int size) {
     keyframe.values.assign(sea::surface_fields.size() * keyframe.plane_size(), 0.5f);
     std::vector<double> cpu;
     for (int round = 0; round < std::max(rounds_ / 2, 3); ++round) {
-        const double before = cpu_seconds();
+        const double before = process_cpu_seconds();
         const sea::SplineMap map(keyframe);
-        cpu.push_back((cpu_seconds() - before) * 1e3);
+        cpu.push_back((process_cpu_seconds() - before) * 1e3);
     }
     return known = median(cpu);
 }
@@ -119,11 +115,11 @@ Result<std::vector<Figure>> StageCosts::figures(const ConfiguredSea& sea, Device
 
 Timed query_ns(const ConfiguredSea& sea, std::span<const sea::QueryPoint> points) {
     const auto timed = [&](std::size_t count) {
-        const double before = cpu_seconds();
+        const double before = process_cpu_seconds();
         double sum = 0;
         for (std::size_t i = 0; i < count; ++i)
             sum += sea.answer(points[i]).height_m;
-        const double spent = cpu_seconds() - before;
+        const double spent = process_cpu_seconds() - before;
         // Used, so that no compiler leaves the answers out.
         return sum == 1e300 ? 0.0 : spent * 1e9 / static_cast<double>(count);
     };

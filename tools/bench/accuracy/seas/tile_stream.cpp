@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
+#include "base/elapsed.h"
 #include "base/worse.h"
 #include "protocol/tile_codec.h"
 #include "sea/surface/maps/regrid.h"
@@ -24,10 +24,6 @@ server::Quality quality_of(Tiles form) {
 }
 
 } // namespace
-
-double cpu_seconds() {
-    return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
-}
 
 TileStream::TileStream(const Waves& waves, Tiles form, double codec_error_m)
     : budget_(waves.budget), depth_m_(waves.state.depth_m), quality_(quality_of(form)),
@@ -94,11 +90,11 @@ Result<void> TileStream::send(sea::Keyframe& keyframe) {
         last.fields = stream.last->fields;
         SEAWAY_TRY(take(last, false));
     }
-    const double start_s = cpu_seconds();
+    const double start_s = process_cpu_seconds();
     SEAWAY_TRY(lead(keyframe));
-    const double encoded_s = cpu_seconds();
+    const double encoded_s = process_cpu_seconds();
     SEAWAY_TRY_LET(const client::HeldKeyframePtr held, take(keyframe, true));
-    const double taken_s = cpu_seconds();
+    const double taken_s = process_cpu_seconds();
     SEAWAY_TRY_LET(const double over_bound, worst_over_bound(keyframe, *stream.last));
     CodingCost& cost = costs_[static_cast<std::size_t>(keyframe.cascade)];
     ++cost.keyframes;

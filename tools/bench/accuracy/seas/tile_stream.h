@@ -34,9 +34,6 @@ struct CodingCost {
         0; ///< largest |decoded - sent| in units of the codec's bound, on the grid that is sent
 };
 
-/// CPU time of this process, s.
-double cpu_seconds();
-
 class TileStream {
   public:
     /// Keyframes before one that is measured. The first differences of a stream are twice as long as later ones; after so many
