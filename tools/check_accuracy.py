@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Fails where docs/accuracy.md, its sentence in README.md or its pictures do not show the measurements in docs/accuracy.
 """
+import shutil
 import struct
 import subprocess
 import sys
@@ -23,6 +24,8 @@ def description(path):
 
 def age():
     """In words, how old the measurements are; nothing where no history is at hand."""
+    if not shutil.which("git"):
+        return ""
     commit = runs()[0].place["commit"]
     counted = subprocess.run(["git", "-C", str(ROOT), "rev-list", "--count", f"{commit}..HEAD"], capture_output=True, text=True, check=False)
     return f", measured {counted.stdout.strip()} commits ago" if counted.returncode == 0 else ""
