@@ -138,7 +138,7 @@ void Client::forget_waves(std::uint32_t epoch) {
     rebuilt_.erase(epoch);
     received_.erase(epoch);
     arriving_.erase(epoch);
-    glides_.erase(epoch);
+    glides_.forget(epoch);
     maps_of_waves_.forget(epoch);
     seen_until_us_.erase(epoch);
 }

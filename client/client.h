@@ -49,7 +49,7 @@
 #include "client/link/reconnect.h"
 #include "client/local_surface.h"
 #include "client/looks.h"
-#include "client/rebuilt/gliding_sea.h"
+#include "client/rebuilt/held_glides.h"
 #include "client/rebuilt/rebuilt_sea.h"
 #include "client/rebuilt/received_spectrum.h"
 #include "client/staleness.h"
@@ -328,6 +328,7 @@ class Client {
     /// mutex_ held; `depth` more glides may lead there.
     WavesOf waves_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
     OwnSeaPtr own_sea(const WavesOf& of) const;
+    static GlideEnds ends_of(const WavesOf& glide); ///< empty: one of them has not come
     /// Would there be one? Nothing is made for that.
     bool holds_waves_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
     bool has_waves_held(std::uint32_t epoch) const;
@@ -392,13 +393,7 @@ class Client {
         received_; ///< likewise; of a glide: its end
     /// Sent anew of epochs whose waves are held: they take over once they are as good.
     std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>> arriving_;
-    /// A glide with the ends that it was made of.
-    struct Glide {
-        OwnSeaPtr from;
-        OwnSeaPtr to;
-        OwnSeaPtr sea;
-    };
-    mutable std::map<std::uint32_t, Glide> glides_; ///< likewise
+    mutable HeldGlides glides_;
     mutable MapsOfSeas maps_of_waves_;
     mutable std::mutex making_glides_; ///< before mutex_
     sea::FieldSet not_offered_;

@@ -366,6 +366,8 @@ void Client::hear(const Joining::Look& look, bool clock_knows) {
     heard_at_us_ = look.sent_us - look.unsure_us;
     heard_us_ = std::max(heard_us_, sure_until_us(paces_, look.elapsed_us, look.unsure_us));
     unsure_ = look.unsure_us > 0;
+    for (const std::uint32_t ended : glides_.let_go_ended(heard_us_))
+        maps_of_waves_.forget(ended);
 }
 
 void Client::forget_sea(const Joining& joining, const SeaStatePtr& next) {

@@ -8,6 +8,7 @@
 
 #include "base/elapsed.h"
 #include "client/client.h"
+#include "client/rebuilt/gliding_sea.h"
 #include "client/wave_room.h"
 #include "sea/waves/spectrum_builder.h"
 
@@ -163,28 +164,44 @@ OwnSeaPtr Client::own_sea(const SeaStatePtr& state) const {
 OwnSeaPtr Client::own_sea(const WavesOf& of) const {
     if (of.made || !of.received)
         return of.made;
-    const OwnSeaPtr waves = of.received->sea();
     if (of.steady || !of.state->glide)
-        return waves;
+        return of.received->sea();
+    const GlideEnds ends = ends_of(of);
+    if (ends.empty())
+        return nullptr;
+    const auto held = [&] {
+        const std::scoped_lock lock(mutex_);
+        return glides_.find(of.state->epoch, ends);
+    };
+    if (OwnSeaPtr sea = held())
+        return sea;
     const OwnSeaPtr from = of.before ? own_sea(*of.before) : nullptr;
-    if (!waves || !from)
+    if (!from)
         return nullptr;
     // One at a time, or every thread that samples would make the same one.
     const std::scoped_lock making(making_glides_);
-    {
-        const std::scoped_lock lock(mutex_);
-        const auto made = glides_.find(of.state->epoch);
-        if (made != glides_.end() && made->second.from == from && made->second.to == waves)
-            return made->second.sea;
-    }
-    const auto made = GlidingSea::create(*of.state, *from, *waves, of.state->start_time_us,
-                                         of.state->glide->end_us);
-    const OwnSeaPtr sea = made ? OwnSeaPtr(*made) : nullptr;
+    if (OwnSeaPtr sea = held())
+        return sea;
+    const TimeUs end_us = of.state->glide->end_us;
+    const auto made =
+        GlidingSea::create(*of.state, *from, *ends.front(), of.state->start_time_us, end_us);
+    if (!made)
+        return nullptr;
     const std::scoped_lock lock(mutex_);
     if (std::ranges::find(sea_states_, of.state) !=
         sea_states_.end()) // or sent again, or forgotten meanwhile
-        glides_[of.state->epoch] = {from, waves, sea};
-    return sea;
+        glides_.keep(of.state->epoch, end_us, ends, *made);
+    return *made;
+}
+
+GlideEnds Client::ends_of(const WavesOf& of) {
+    GlideEnds ends;
+    for (const WavesOf* one = &of; one != nullptr; one = one->before.get()) {
+        ends.push_back(one->made || !one->received ? one->made : one->received->sea());
+        if (!ends.back())
+            return {};
+    }
+    return ends;
 }
 
 void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPoint> points,

@@ -20,9 +20,10 @@
  *
  * Memory: whoever passes an array owns it; counts are of elements, sizes of structs are fixed for
  * this ABI version (checked at compile time below): what is added later has structs of its own, with a size, in seaway_engine.h. seaway_sample from tiles allocates nothing once its thread has sampled as
- * many points as now, 50 000 at most: threads keep what they need, and what comes is made ready as it comes. (A time that more
+ * many points as now, 50 000 at most: threads keep what they need, and what comes is made ready as it comes. Where a sea may fold, a
+ * thread's first search for other sheets allocates, too, and each that is larger than those before. (A time that more
  * than 6000 points share takes 3 MB of the client's, once; what came before anybody sampled is made ready by a sample.
- * Answers that are summed of waves allocate, and so does making keyframes of them, four a cascade of 2.4 MB each at 256 x 256, 38 at 1024 x 1024.)
+ * Answers that are summed of waves allocate, and so does making keyframes of them, three or four a cascade of 2.4 MB each at 256 x 256, 38 at 1024 x 1024.)
  *
  * Errors: every function that can fail returns a seaway_code; seaway_last_error() then says why in
  * one line, for the calling thread. Nothing is written to the outputs of a call that failed.

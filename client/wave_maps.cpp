@@ -2,9 +2,10 @@
 #include "client/wave_maps.h"
 
 #include <algorithm>
+#include <functional>
+#include <limits>
 
-#include "base/elapsed.h"
-#include "sea/surface/map_error.h"
+#include "sea/basics/deviations.h"
 
 namespace seaway::client {
 
@@ -22,9 +23,9 @@ RingLimits two_times() {
 
 } // namespace
 
-WaveMaps::WaveMaps(SeaStatePtr state, OwnSeaPtr waves)
-    : state_(std::move(state)), waves_(std::move(waves)), prices_(*state_, *waves_),
-      ring_(two_times()), keyframes_(waves_) {}
+WaveMaps::WaveMaps(SeaStatePtr state, OwnSeaPtr waves, double (*worked_s)())
+    : state_(std::move(state)), waves_(std::move(waves)), worked_s_(worked_s),
+      prices_(*state_, *waves_), ring_(two_times()), keyframes_(waves_) {}
 
 HeldKeyframePtr WaveMaps::held(const Needed& one) const {
     const TimeUs interval_us = state_->cascades[static_cast<std::size_t>(one.cascade)].interval_us;
@@ -72,7 +73,7 @@ void WaveMaps::summed(const WaveBatch& batch, double took_us) {
 }
 
 HeldKeyframePtr WaveMaps::make(const Needed& one) {
-    const double begun_s = thread_cpu_seconds();
+    const double begun_s = worked_s_();
     std::optional<sea::Keyframe> keyframe =
         keyframes_.make(state_->epoch, one.cascade, one.time_us);
     if (!keyframe)
@@ -88,31 +89,51 @@ HeldKeyframePtr WaveMaps::make(const Needed& one) {
     HeldKeyframePtr made = HeldKeyframe::as_spline(std::make_shared<const HeldKeyframe>(
         *std::move(keyframe), HeldKeyframe::FieldErrors{}, misses));
     ++made_;
-    prices_.made(one.cascade, 1e6 * (thread_cpu_seconds() - begun_s));
+    prices_.made(one.cascade, 1e6 * (worked_s_() - begun_s));
     return made;
 }
 
-bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades) {
+WaveMaps::Pairs WaveMaps::longest_first(Pairs needed) const {
+    std::ranges::sort(needed, std::greater<>{}, [this](const Needed& one) {
+        return one.time_us + state_->cascades[static_cast<std::size_t>(one.cascade)].interval_us;
+    });
+    return needed;
+}
+
+bool WaveMaps::make_what_lacks(TimeUs time_us, std::uint32_t cascades, double at_most_us) {
     if (are_held(time_us, cascades)) // another thread has made it
         return true;
-    const Pairs needed = around(time_us, cascades);
+    const Pairs needed = longest_first(around(time_us, cascades));
     const Pairs elsewhere = around(used_us_, cascades);
-    for (const Pairs* pairs : {&elsewhere, &needed}) // the last to go
-        for (const Needed& one : *pairs)
-            if (const HeldKeyframePtr there = held(one))
-                ring_.insert(there);
+    ring_.keep_only([&](const sea::Keyframe& held) {
+        const auto is_it = [&](const Needed& one) {
+            return one.cascade == held.cascade && one.time_us == held.time_us;
+        };
+        return !(cascades >> held.cascade & 1u) || std::ranges::any_of(needed, is_it) ||
+               std::ranges::any_of(elsewhere, is_it);
+    });
+    surfaces_.follow(ring_);
+    double takes_us = 0;
     for (const Needed& one : needed)
         if (!held(one)) {
+            const double expected_us = prices_.keyframe_us(one.cascade);
+            if (takes_us > 0 && takes_us + expected_us > at_most_us)
+                break;
+            takes_us += expected_us;
             HeldKeyframePtr made = make(one);
             if (!made) {
                 cannot_be_made_ = true;
-                return false;
+                break;
             }
             ring_.insert(std::move(made));
         }
     surfaces_.follow(ring_);
-    prices_.spend(cell_span(*state_, time_us));
-    return true;
+    prices_.spend(cell_span(*state_, time_us), takes_us);
+    return are_held(time_us, cascades);
+}
+
+bool WaveMaps::make_for(const WaveBatch& batch) {
+    return make_what_lacks(batch.time_us, batch.cascades, 2 * prices_.sum_us(batch));
 }
 
 std::unique_lock<std::mutex> WaveMaps::turn_to_make(const WaveBatch& batch) {
@@ -135,12 +156,17 @@ bool WaveMaps::lend(const WaveBatch& batch, HeldSurfaces::Lent& surface) {
     };
     const auto made = [&] {
         const std::unique_lock making = turn_to_make(batch);
-        return making.owns_lock() && make_what_lacks(batch.time_us, batch.cascades) && lent();
+        return making.owns_lock() && make_for(batch) && lent();
     };
     if (!found() && !(is_worth(batch) && (lent() || made())))
         return false;
-    used_us_ = batch.time_us;
+    answers(batch);
     return true;
+}
+
+void WaveMaps::answers(const WaveBatch& batch) {
+    prices_.spared(cell_span(*state_, batch.time_us), batch);
+    used_us_ = batch.time_us;
 }
 
 std::optional<LocalSurface> WaveMaps::held_surface(TimeUs time_us, std::uint32_t cascades) {
@@ -150,28 +176,34 @@ std::optional<LocalSurface> WaveMaps::held_surface(TimeUs time_us, std::uint32_t
         local_surface(*state_, ring_, time_us, sea::surface_fields, cascades);
     if (!held || !held->covers)
         return std::nullopt;
-    used_us_ = time_us;
     return *std::move(held);
 }
 
 std::optional<LocalSurface> WaveMaps::surface(const WaveBatch& batch) {
     if (!is_worth(batch))
         return std::nullopt;
-    if (auto held = held_surface(batch.time_us, batch.cascades))
-        return held;
-    const std::unique_lock making = turn_to_make(batch);
-    if (!making.owns_lock() || !make_what_lacks(batch.time_us, batch.cascades))
-        return std::nullopt;
-    return held_surface(batch.time_us, batch.cascades);
+    auto held = held_surface(batch.time_us, batch.cascades);
+    if (!held) {
+        const std::unique_lock making = turn_to_make(batch);
+        if (making.owns_lock() && make_for(batch))
+            held = held_surface(batch.time_us, batch.cascades);
+    }
+    if (held)
+        answers(batch);
+    return held;
 }
 
 std::optional<LocalSurface> WaveMaps::map(TimeUs time_us, int cascade) {
-    if (auto held = held_surface(time_us, 1u << cascade))
-        return held;
-    const std::scoped_lock making(making_);
-    if (!make_what_lacks(time_us, 1u << cascade))
-        return std::nullopt;
-    return held_surface(time_us, 1u << cascade);
+    const std::uint32_t cascades = 1u << cascade;
+    auto held = held_surface(time_us, cascades);
+    if (!held) {
+        const std::scoped_lock making(making_);
+        make_what_lacks(time_us, cascades, std::numeric_limits<double>::infinity());
+        held = held_surface(time_us, cascades);
+    }
+    if (held)
+        used_us_ = time_us;
+    return held;
 }
 
 void WaveMaps::let_go() {

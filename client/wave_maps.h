@@ -4,8 +4,9 @@
 // milliseconds, once. So points are summed until keyframes of their time pay (wave_prices.h), and those are made then.
 //
 // What answers from maps are off by is what the sea states of its interpolation, and what its waves are off by
-// (RebuiltError). Thread-safe. One thread at a time makes keyframes; who would wait for it for longer than sums take sums meanwhile. Memory: four
-// keyframes a cascade, 2.4 MB each at 256 x 256 and 38 at 1024 x 1024, and a third of that for the waves; nothing before the first are made.
+// (RebuiltError). Thread-safe. One thread at a time makes keyframes; who would wait for it for longer than sums take sums meanwhile. A call
+// makes no more than take it twice as long as its sum, but one; the next call goes on. Memory: three keyframes a cascade where time runs on, four of two
+// times in turns, 2.4 MB each at 256 x 256 and 38 at 1024 x 1024, and a third of that for the waves; nothing before the first are made.
 #pragma once
 
 #include <atomic>
@@ -16,6 +17,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/elapsed.h"
 #include "client/held/keyframe_ring.h"
 #include "client/held_surfaces.h"
 #include "client/rebuilt/rebuilt_sea.h"
@@ -26,8 +28,8 @@ namespace seaway::client {
 
 class WaveMaps {
   public:
-    /// `waves` are those of the sea of `state`.
-    WaveMaps(SeaStatePtr state, OwnSeaPtr waves);
+    /// `waves` are those of the sea of `state`; `worked_s` is what the calling thread has worked, s.
+    WaveMaps(SeaStatePtr state, OwnSeaPtr waves, double (*worked_s)() = thread_cpu_seconds);
 
     const SeaStatePtr& state() const { return state_; }
     bool are_of(const SeaStatePtr& state, const OwnSeaPtr& waves) const {
@@ -59,6 +61,7 @@ class WaveMaps {
     using Pairs = ShortList<Needed, 2 * sea::surface_pairs_max>;
 
     Pairs around(sea::TimeUs time_us, std::uint32_t cascades) const;
+    Pairs longest_first(Pairs needed) const;       ///< for which time may run on
     HeldKeyframePtr held(const Needed& one) const; ///< or null
     /// All around this time?
     bool are_held(sea::TimeUs time_us, std::uint32_t cascades) const;
@@ -68,14 +71,18 @@ class WaveMaps {
     bool is_worth(const WaveBatch& batch);
     /// Not held where another thread makes some, and summing takes less than to wait for it.
     std::unique_lock<std::mutex> turn_to_make(const WaveBatch& batch);
+    void answers(const WaveBatch& batch); ///< by maps
     /// With all that it needs; nothing without.
     std::optional<LocalSurface> held_surface(sea::TimeUs time_us, std::uint32_t cascades);
     // making_ held.
-    bool make_what_lacks(sea::TimeUs time_us, std::uint32_t cascades); ///< false: it cannot
+    /// Keyframes around a time, for about as long as `at_most_us`, one at least. False: some are still missing.
+    bool make_what_lacks(sea::TimeUs time_us, std::uint32_t cascades, double at_most_us);
     HeldKeyframePtr make(const Needed& one);
+    bool make_for(const WaveBatch& batch); ///< as many as are in keeping with it
 
     const SeaStatePtr state_;
     const OwnSeaPtr waves_;
+    double (*const worked_s_)();
     WavePrices prices_;
 
     KeyframeRing ring_;

@@ -23,7 +23,8 @@ WavePrices::WavePrices(const SeaState& state, const OwnSea& waves) {
     const bool glides = waves.change() != nullptr;
     const sea::RealizationPtr sea =
         glides ? waves.change()->after() : waves.waves_at(state.start_time_us);
-    for (const sea::CascadeModes& modes : sea->cascades) {
+    for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        const sea::CascadeModes& modes = sea->cascades[c];
         const auto count = static_cast<double>(
             std::ranges::count_if(modes.h0, [](const auto& h0) { return h0 != 0.0; }));
         double stylised_us = 0;
@@ -32,7 +33,8 @@ WavePrices::WavePrices(const SeaState& state, const OwnSea& waves) {
                            stylised_wave_us(field);
         const double map_us = (glides ? gliding_map_point_us : map_point_us) + stylised_us;
         cascades_.push_back(
-            {.sum_point_us = count * sum_wave_us + stylised_us,
+            {.interval_us = static_cast<double>(state.cascades[c].interval_us),
+             .sum_point_us = count * sum_wave_us + stylised_us,
              .sum_time_us = count * (glides ? gliding_wave_time_us : sum_wave_time_us),
              .keyframe_us = map_us * modes.spec.size * modes.spec.size});
     }
@@ -71,36 +73,59 @@ void WavePrices::made(int cascade, double took_us) {
 
 void WavePrices::summed(const TimeSpan& cell, const WaveBatch& batch, double took_us) {
     const std::scoped_lock lock(mutex_);
-    account_of(cell).paid_us += took_us;
+    account_of(cell, batch.cascades).sums_us += took_us;
     if (const double listed_us = listed_sum_us(batch); listed_us > 0)
         sums_take_ = std::max(learnt(sums_take_, took_us / listed_us), sums_take_min);
+}
+
+void WavePrices::spared(const TimeSpan& cell, const WaveBatch& batch) {
+    const std::scoped_lock lock(mutex_);
+    account_of(cell, batch.cascades).sums_us += sums_take_ * listed_sum_us(batch);
 }
 
 bool WavePrices::pays(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us) {
     const std::scoped_lock lock(mutex_);
     if (listed_point_us(batch.cascades) < sampled_point_us)
         return false;
-    return account_of(cell).paid_us + sums_take_ * listed_sum_us(batch) >= keyframes_us;
+    const Account& account = account_of(cell, batch.cascades);
+    return account.credit_us + account.sums_us + sums_take_ * listed_sum_us(batch) >=
+           account.spent_us + keyframes_us;
 }
 
-void WavePrices::spend(const TimeSpan& cell) {
+void WavePrices::spend(const TimeSpan& cell, double keyframes_us) {
     const std::scoped_lock lock(mutex_);
-    account_of(cell).paid_us = 0;
+    account_of(cell, 0).spent_us += keyframes_us;
 }
 
-WavePrices::Account& WavePrices::account_of(const TimeSpan& cell) {
+double WavePrices::credit_left_us(const Account& account) const {
+    const auto lasts_us = static_cast<double>(account.cell.until_us - account.cell.from_us);
+    double steady_us = 0, all_us = 0;
+    for (std::size_t c = 0; c < cascades_.size(); ++c)
+        if (account.cascades >> c & 1u) {
+            steady_us += cascades_[c].keyframe_us * lasts_us / cascades_[c].interval_us;
+            all_us += 2 * cascades_[c].keyframe_us;
+        }
+    const double left_us =
+        account.credit_us + account.sums_us - std::max(account.spent_us, steady_us);
+    return std::clamp(left_us, 0.0, all_us);
+}
+
+WavePrices::Account& WavePrices::account_of(const TimeSpan& cell, std::uint32_t cascades) {
     const auto is_same = [&](const Account& account) {
         return account.cell.from_us == cell.from_us && account.cell.until_us == cell.until_us;
     };
     auto found = std::ranges::find_if(accounts_, is_same);
     if (found == accounts_.end()) {
-        double left_us = 0;
+        double credit_us = 0;
         for (Account& account : accounts_)
-            if (account.cell.until_us == cell.from_us || account.cell.from_us == cell.until_us)
-                left_us += std::exchange(account.paid_us, 0.0);
+            if (account.cell.until_us == cell.from_us || account.cell.from_us == cell.until_us) {
+                credit_us += credit_left_us(account);
+                account.credit_us = account.sums_us = account.spent_us = 0;
+            }
         found = std::ranges::min_element(accounts_, {}, &Account::last_used);
-        *found = {.cell = cell, .paid_us = left_us};
+        *found = {.cell = cell, .credit_us = credit_us};
     }
+    found->cascades |= cascades;
     found->last_used = ++uses_;
     return *found;
 }

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // WavePrices: what sums of waves and keyframes made of them take, and when the second pay. Sums pay, by what they took, towards
-// the keyframes that would have spared them; these are made once they are paid for. So whoever asks waits for no more than about twice
-// what the cheaper way would have taken, whether he asks about a time once or a thousand times ("ski rental": A. R. Karlin
+// the keyframes that would have spared them; these are made once they are paid for ("ski rental": A. R. Karlin
 // et al., "Competitive snoopy caching", Algorithmica 3, 1988).
+//
+// Keyframes last for a cell of time, those between which all times are interpolated. Where time runs from cell to cell, a sum pays for
+// those of the next one only with what it takes beyond what keyframes cost for as long as it ran (one a cascade and interval): less is
+// no reason to have any, however often it is paid. Where maps answer, what they spare counts as what sums would have taken. So whoever
+// asks waits for no more than about twice what the cheaper way would have taken, whether he asks about a time once or a thousand times.
 //
 // Prices begin with what was measured of a gale (docs/performance/points.md) and follow what things take: a sum of a steep sea ten times as
 // much, maps of stylised waves a hundred times. Thread-safe; some 0.1 us.
@@ -53,26 +57,35 @@ class WavePrices {
     void made(int cascade, double took_us);
     /// Points were summed whose keyframes are those of `cell`.
     void summed(const TimeSpan& cell, const WaveBatch& batch, double took_us);
-    /// Have sums of this cell, with these, paid for keyframes?
+    /// They were answered from those.
+    void spared(const TimeSpan& cell, const WaveBatch& batch);
+    /// Have sums of this cell, with these, paid for keyframes, and for what has been spent on it?
     bool pays(const TimeSpan& cell, const WaveBatch& batch, double keyframes_us);
-    /// They have been made.
-    void spend(const TimeSpan& cell);
+    /// Some have been made.
+    void spend(const TimeSpan& cell, double keyframes_us);
 
   private:
     struct Account {
         TimeSpan cell{0, 0};
-        double paid_us = 0;
+        std::uint32_t cascades = 0; ///< that were asked about
+        double credit_us = 0;       ///< of the cells beside it
+        double sums_us = 0;         ///< what sums took, and what keyframes have spared
+        double spent_us = 0;        ///< on keyframes
         std::uint64_t last_used = 0;
     };
     struct Cascade {
+        double interval_us = 0;
         double sum_point_us = 0;
         double sum_time_us = 0;
         double keyframe_us = 0;
     };
     double listed_point_us(std::uint32_t cascades) const;
     double listed_sum_us(const WaveBatch& batch) const;
-    /// mutex_ held. A new one takes over what is left of a neighbour's: time runs from cell to cell.
-    Account& account_of(const TimeSpan& cell);
+    // mutex_ held.
+    /// A new one takes over what is left of its neighbours'.
+    Account& account_of(const TimeSpan& cell, std::uint32_t cascades);
+    /// What is left for the next cell: no more than all keyframes of one.
+    double credit_left_us(const Account& account) const;
 
     mutable std::mutex mutex_;
     std::vector<Cascade> cascades_;

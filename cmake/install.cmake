@@ -39,6 +39,8 @@ foreach(program seaway-query seaway-ctl seaway-view seaway-inspect seaway-bake s
   endif()
 endforeach()
 install(DIRECTORY looks DESTINATION ${CMAKE_INSTALL_DATADIR}/seaway COMPONENT tools)
+# What seaway-bench measures where it is told nothing. A place of its own: no two packages have the same file.
+install(FILES scenes/north_sea_gale.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/seaway/bench COMPONENT tools)
 
 # ---- library and development -------------------------------------------------------------------
 install(TARGETS seaway_shared EXPORT seaway_targets

@@ -11,6 +11,7 @@
 #include "sea/basics/time.h"
 #include "sea/scene/weather.h"
 #include "server/scene_difference.h"
+#include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 
@@ -72,6 +73,8 @@ std::string Following::json() const {
                                      {"shared", shared},
                                      {"changes", journal.last_epoch},
                                      {"played", played},
+                                     {"counted", counted},
+                                     {"counted_max", changes_max},
                                      {"unheard_s", sea::seconds_from_us(journal.unheard_us)},
                                      {"peers", journal.peers.peers},
                                      {"clock_ahead_ms", 1e-3 * journal.peers.ahead_us},
@@ -83,8 +86,6 @@ std::string Following::json() const {
 }
 
 std::string Following::metrics() const {
-    if (!shared)
-        return {};
     std::string text;
     const auto add = [&](std::string_view row, std::string_view help, double value) {
         text += fmt::format("# HELP seaway_{0} {1}\n# TYPE seaway_{0} gauge\nseaway_{0} {2}\n", row,
@@ -92,6 +93,12 @@ std::string Following::metrics() const {
     };
     add("journal_changes", "Changes that the journal is known to hold.", journal.last_epoch);
     add("journal_changes_played", "Changes that are part of the sea.", played);
+    add("journal_changes_counted", "Changes and rows of timetables that have begun or are to come.",
+        static_cast<double>(counted));
+    add("journal_changes_counted_max", "So many there may be: a change more is refused.",
+        static_cast<double>(changes_max));
+    if (!shared)
+        return text;
     add("journal_unheard_seconds", "How long ago it was known that the journal holds no more.",
         sea::seconds_from_us(journal.unheard_us));
     add("peers", "Other servers of this log that this one compares its clock with.",

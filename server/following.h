@@ -35,6 +35,7 @@ struct Following {
     JournalStanding journal;
     bool shared = false;        ///< others append to it
     std::uint32_t played = 1;   ///< changes
+    std::size_t counted = 1;    ///< with the rows of timetables, of changes_max
     std::int64_t behind_us = 0; ///< for how long there have been some to play
     std::int64_t writing_us =
         0; ///< for how long a change of its own has been under way to the journal
@@ -51,7 +52,7 @@ struct Following {
     std::string doubt() const;
     /// The object "journal" of /v1/state.
     std::string json() const;
-    /// Its part of /metrics; empty where nobody else appends.
+    /// Its part of /metrics: how full it is, and where others append how it stands with them.
     std::string metrics() const;
 };
 

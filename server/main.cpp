@@ -191,6 +191,11 @@ int check(const Options& options) {
     return checked(*std::get<Read>(read).course->first());
 }
 
+ExitCode without_journal(const Error& why) {
+    const bool passes = why.is(JournalError::unreachable) || why.is(JournalError::unknown);
+    return passes ? exit_no_journal : exit_usage;
+}
+
 int serve(const Options& options) {
     StopSignal::end_at_once(exit_stopped);
     const auto read = read_all(options);
@@ -198,12 +203,11 @@ int serve(const Options& options) {
         return *code;
     const auto& [scene, course, memory] = std::get<Read>(read);
     const StartFiles start_files(options);
-    Result<Resumed> resumed = begin_or_resume(options.journal, *course, SeaClock::utc_now_us());
-    if (!resumed) {
-        const Error& why = resumed.error();
-        const bool passes = why.is(JournalError::unreachable) || why.is(JournalError::unknown);
-        return fail(passes ? exit_no_journal : exit_usage, why);
-    }
+    ServiceManager manager;
+    Result<Resumed> resumed = begin_or_resume(options.journal, *course, SeaClock::utc_now_us(),
+                                              [&manager] { manager.starting(); });
+    if (!resumed)
+        return fail(without_journal(resumed.error()), resumed.error());
 
     const StopSignal stop;
     StopDeadline deadline(stop_limit + drain_of(options.net), exit_no_device,
@@ -233,7 +237,6 @@ int serve(const Options& options) {
                                                   world, clock);
 
     say_ready((*net)->url());
-    const ServiceManager manager;
     manager.ready((*net)->url());
     Progress progress;
     const auto look = [&] {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "server/host/refusal.h"
+#include "server/simulation/sea_course.h"
 
 namespace seaway::server {
 namespace {
@@ -15,6 +16,8 @@ std::string_view reason_of(const Error& why) {
         return "busy";
     if (why.is(Refusal::not_offered))
         return "not_offered";
+    if (why.is(CourseError::full))
+        return "full";
     return why.is(Refusal::gone) ? "gone" : "unwritten";
 }
 

@@ -15,7 +15,7 @@ namespace seaway::server {
 class RefusedChanges {
   public:
     /// By reason: bad_value; busy: to be asked for again later, or of another server; not_offered; gone: the server stops;
-    /// unwritten: the journal did not take it, or has not said. All are there, from the start.
+    /// unwritten: the journal did not take it, or has not said; full: there are as many as may be. All are there, from the start.
     using Counts = std::map<std::string_view, std::uint64_t>;
 
     void count(const Error& why);
@@ -23,8 +23,8 @@ class RefusedChanges {
 
   private:
     mutable std::mutex mutex_;
-    Counts counts_{
-        {"bad_value", 0}, {"busy", 0}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 0}};
+    Counts counts_{{"bad_value", 0}, {"busy", 0},        {"full", 0},
+                   {"gone", 0},      {"not_offered", 0}, {"unwritten", 0}};
 };
 
 /// Its part of /metrics.

@@ -1,16 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/resume.h"
 
+#include <algorithm>
+#include <chrono>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include "server/following.h"
+#include "server/journal/sea_clock.h"
 #include "server/scene_difference.h"
 
 namespace seaway::server {
 namespace {
+
+constexpr std::chrono::seconds said_every{10};
+/// Changes: to find them once more costs one of them.
+constexpr std::size_t phases_found_every = 16;
 
 /// What two scenes first differ in, for people.
 std::string difference(const std::string& held, const std::string& given) {
@@ -37,12 +47,58 @@ Result<void> check_same_sea(const std::string& path, const SeaChange& first,
                              path, scene.source, difference(before, now))};
 }
 
-Result<void> play(const std::string& path, const SeaChange& change, SeaCourse& course) {
+/// Of each change: when a later one takes over.
+std::vector<sea::TimeUs> taken_over_us(const std::vector<SeaChange>& changes) {
+    std::vector<sea::TimeUs> all(changes.size());
+    sea::TimeUs until_us = std::numeric_limits<sea::TimeUs>::max();
+    for (std::size_t i = changes.size(); i-- > 0;) {
+        all[i] = until_us;
+        if (changes_the_scene(changes[i]))
+            until_us = std::min(until_us, changes[i].start_us);
+    }
+    return all;
+}
+
+Result<void> play(const std::string& path, const SeaChange& change, sea::TimeUs until_us,
+                  SeaCourse& course) {
     SEAWAY_TRY_LET(const sea::Scene scene, scene_of(change, path, course.first()->scene));
-    if (const Result<void> added = course.add(scene, change.start_us, change.end_us); !added)
+    const Result<void> added = course.add(scene, change.start_us, change.end_us, until_us);
+    if (!added)
         return Error{fmt::format("{}: change {} cannot be played: {}", path, change.epoch,
                                  added.error().message)};
     return {};
+}
+
+Result<sea::Paces> play_all(const std::string& path, const std::vector<SeaChange>& changes,
+                            SeaCourse& course, const std::function<void()>& comes_on) {
+    const std::vector<sea::TimeUs> until_us = taken_over_us(changes);
+    sea::Paces paces;
+    auto said = std::chrono::steady_clock::now();
+    for (std::size_t i = 1; i < changes.size(); ++i) {
+        if (comes_on)
+            comes_on();
+        if (const auto now = std::chrono::steady_clock::now(); now - said >= said_every) {
+            said = now;
+            spdlog::info("event=sea_is_read change={} of={}", changes[i].epoch, changes.size());
+        }
+        if (changes[i].pace && !changes[i].lapsed)
+            paces.add(*changes[i].pace);
+        else if (!changes[i].lapsed)
+            SEAWAY_TRY(play(path, changes[i], until_us[i], course));
+        if (i % phases_found_every == 0) // else all of them are when the sea of now is made
+            course.find_phases();
+    }
+    return paces;
+}
+
+/// A clock that is set only later makes a sea of the past until then: who looks at it should know.
+void look_at_clock(const Journal& journal, std::int64_t now_utc_us) {
+    const std::int64_t made_utc_us = journal.standing().made_utc_us;
+    if (now_utc_us < made_utc_us)
+        spdlog::warn("event=sea_clock_behind by_s={:.1f} why=\"its last change was made at {}, and "
+                     "this machine's clock says {}\"",
+                     sea::seconds_from_us(made_utc_us - now_utc_us), utc_text(made_utc_us),
+                     utc_text(now_utc_us));
 }
 
 } // namespace
@@ -58,7 +114,7 @@ Result<sea::Scene> scene_of(const SeaChange& change, const std::string& path,
 }
 
 Result<Resumed> begin_or_resume(const JournalPlace& place, SeaCourse& course,
-                                std::int64_t now_utc_us) {
+                                std::int64_t now_utc_us, const std::function<void()>& comes_on) {
     if (place.is_none())
         return Resumed{nullptr, now_utc_us};
     const sea::Scene& scene = course.first()->scene;
@@ -69,13 +125,8 @@ Result<Resumed> begin_or_resume(const JournalPlace& place, SeaCourse& course,
     Resumed resumed{nullptr, journal->epoch_utc_us(),
                     changes.size() == 1 && journal->epoch_utc_us() == now_utc_us,
                     static_cast<std::uint32_t>(changes.size())};
-    for (std::size_t i = 1; i < changes.size(); ++i)
-        if (changes[i].lapsed)
-            continue;
-        else if (changes[i].pace)
-            resumed.paces.add(*changes[i].pace);
-        else
-            SEAWAY_TRY(play(journal->name(), changes[i], course));
+    SEAWAY_TRY_LET(resumed.paces, play_all(journal->name(), changes, course, comes_on));
+    look_at_clock(*journal, now_utc_us);
     resumed.journal = std::move(journal);
     return resumed;
 }

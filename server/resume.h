@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -23,9 +24,14 @@ struct Resumed {
 /// Without a journal a sea begins at `now_utc_us`. With one the sea of its journal goes on, which must have begun with this
 /// scene: its changes are added to the course, which holds the beginning; a place without a journal gets one. An error
 /// is one line: those of open_journal(), that the journal is of another sea, with the first line that differs,
-/// and a change that this version cannot play. About 2 ms a change.
+/// and a change that this version cannot play.
+///
+/// Takes 12 ns for each change and grid point, 30 ns where phases hang on all changes (SeaCourse::find_phases): 2.4 and 5.8 ms a
+/// change at three cascades of 256 x 256. What never ran, since another change took over from it before, costs nothing.
+/// `comes_on` is called before each change, and the log has a line every ten seconds.
 Result<Resumed> begin_or_resume(const JournalPlace& place, SeaCourse& course,
-                                std::int64_t now_utc_us);
+                                std::int64_t now_utc_us,
+                                const std::function<void()>& comes_on = {});
 
 /// The scene of a change that the journal of this name holds; files are looked for where those of the beginning are.
 Result<sea::Scene> scene_of(const SeaChange& change, const std::string& journal,

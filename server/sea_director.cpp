@@ -79,6 +79,7 @@ SeaDirector::SeaDirector(std::shared_ptr<SeaCourse> course, Journal* journal, st
     Undo leave([this] { let_go(); });
     world_.change_by(
         [this](SeaWish wish, Host::Changed done) { change(std::move(wish), std::move(done)); });
+    look_at_room();
     if (journal_)
         follow_journal();
     thread_ = std::thread([this] { run(); });
@@ -140,6 +141,7 @@ void SeaDirector::run() {
     while (!stopping_) {
         journal_grew_ = false;
         lock.unlock();
+        look_at_clock();
         follow_if_there_is_memory();
         lock.lock();
         lock.unlock();
@@ -163,6 +165,24 @@ void SeaDirector::run() {
         tell(asked, promise);
         lock.lock();
     }
+}
+
+void SeaDirector::look_at_clock() {
+    const SeaMoment moment = clock_.moment();
+    if (moment.leapt_us == leapt_us_)
+        return;
+    spdlog::warn("event=sea_clock_leapt by_s={:.1f} to_s={:.1f} why=\"UTC was set forward, or the "
+                 "machine slept\"",
+                 sea::seconds_from_us(moment.leapt_us - leapt_us_),
+                 sea::seconds_from_us(moment.now_us));
+    leapt_us_ = moment.leapt_us;
+}
+
+void SeaDirector::look_at_room() const {
+    if (const std::size_t counted = course_->changes(); counted >= changes_warned_of)
+        spdlog::warn(
+            "event=sea_log_fills counted={} of={} why=\"a change more than that is refused\"",
+            counted, changes_max);
 }
 
 TimeUs SeaDirector::spread() const {
@@ -389,6 +409,7 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
 }
 
 Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
+    look_at_clock(); // what a change is made after stands before it in the log
     SEAWAY_TRY(check_certain());
     if (wish.pace_permille)
         return make_pace(*wish.pace_permille);
@@ -411,6 +432,7 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
                  sea::seconds_from_us(promise.start_us),
                  sea::seconds_from_us(promise.end_us - promise.start_us),
                  planned->to->summary.realised.significant_height_m);
+    look_at_room();
     if (planned->soonest)
         soonest_us_ = promise.start_us;
     if (clock_.now_us() > promise.start_us)

@@ -27,6 +27,8 @@ inline constexpr std::size_t changes_waiting_max = 16;
 /// Changes that are promised and have not begun, of those that are told of already: the seas of more would throw out those
 /// that run (SeaCourse, seas_kept).
 inline constexpr std::size_t changes_promised_max = 3;
+/// From so many of changes_max on each change is warned of.
+inline constexpr std::size_t changes_warned_of = changes_max / 10 * 9;
 
 class SeaDirector {
   public:
@@ -39,8 +41,9 @@ class SeaDirector {
     SeaDirector& operator=(const SeaDirector&) = delete;
 
     /// `done` is called once, on the director's thread or at once. Errors: bad_value with what of the wish cannot be;
-    /// busy, also where another server's change was first or the journal cannot be reached; one without a kind where the
-    /// journal could not be written, or it is not known whether it was.
+    /// busy, also where another server's change was first, the journal cannot be reached, or the clock is behind what it was
+    /// when the last one was made; CourseError::full where the log holds as many as it may; one without a kind where the journal
+    /// could not be written, or it is not known whether it was.
     void change(SeaWish wish, Host::Changed done);
 
   private:
@@ -60,6 +63,10 @@ class SeaDirector {
     void falls_behind();
     Result<void> play(const SeaChange& change);
     Following following() const;
+    /// Says that the sea's clock has leapt since the last look.
+    void look_at_clock();
+    /// Says that the log is nearly full.
+    void look_at_room() const;
     /// Sends the sessions to other servers when this one begins to doubt its sea, or sessions were told of a change when it had begun.
     void look_for_doubt();
     /// Where there is no memory now, the next look does.
@@ -122,6 +129,7 @@ class SeaDirector {
     bool missed_ = false;                ///< a change had begun when it came
     bool follows_ = true;                ///< there was memory for it at the last look
     std::int64_t handed_over_us_ = 0;
+    sea::TimeUs leapt_us_ = 0;          ///< all that was told of
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     sea::TimeUs soonest_us_ =
         -sea::time_us_max; ///< start of the last change that was to begin as soon as can be

@@ -90,6 +90,7 @@ Result<void> SeaDirector::play(const SeaChange& change) {
                    scene_of(change, journal_->name(), course_->first()->scene));
     promised_.reserve(promised_.size() + 1);
     SEAWAY_TRY(course_->add(scene, change.start_us, change.end_us));
+    look_at_room();
     is_promised(change.start_us); // those that have begun are taken out when they are counted
     missed_ = missed_ || change.start_us <= now_us;
     spdlog::info("event=sea_changes change={} start_s={} over_s={} by=another late={}",
@@ -130,6 +131,7 @@ Following SeaDirector::following() const {
                   .journal = journal_->standing(),
                   .shared = journal_->spread_us() > 0,
                   .played = changes_,
+                  .counted = course_->changes(),
                   .stuck = {}};
     const std::int64_t since_us = behind_since_us_;
     const std::int64_t writing_since_us = writing_since_us_;

@@ -12,6 +12,9 @@ class ServiceManager {
   public:
     ServiceManager();
 
+    /// It is on its way and not there yet: as long as this is said within starting_limit, and again, a start may take longer
+    /// than TimeoutStartSec=. Said once a second at most, however often it is called; by one thread.
+    void starting();
     /// It serves; `status` is a line for `systemctl status`.
     void ready(const std::string& status) const;
     /// It has come on: to be said every pat_every(), or it is killed.
@@ -21,8 +24,11 @@ class ServiceManager {
     /// Half of what the watchdog waits; an hour where there is none.
     std::chrono::microseconds pat_every() const { return pat_every_; }
 
+    static constexpr std::chrono::seconds starting_limit{60};
+
   private:
     std::chrono::microseconds pat_every_;
+    std::chrono::steady_clock::time_point starting_said_{};
 };
 
 } // namespace seaway::server

@@ -186,10 +186,13 @@ void World::on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate) {
         const std::scoped_lock lock(mutex_);
         publish = publish_;
     }
-    const std::bitset<quality_rungs> used = subscriptions().qualities(keyframe->cascade);
-    for (Quality quality = 0; quality < quality_rungs; ++quality)
-        if (publish && used[quality] && rung_of(quality).rate == rate)
-            publish(tiles(keyframe, quality));
+    const std::vector<Quality> used = subscriptions().most_wanted(keyframe->cascade);
+    for (std::size_t rank = 0; rank < used.size(); ++rank)
+        if (publish && rung_of(used[rank]).rate == rate) {
+            KeyframeTiles one = tiles(keyframe, used[rank]);
+            one.rank = rank;
+            publish(std::move(one));
+        }
 }
 
 std::vector<RunningSeaPtr> World::seas_told() const {

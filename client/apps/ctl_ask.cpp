@@ -108,9 +108,9 @@ FleetStatus fleet_status(const CtlOptions& options, const StatusWish& wish) {
     urls.insert(urls.end(), wish.others.begin(), wish.others.end());
     FleetStatus status;
     status.table = fmt::format(
-        "{:<30} {:<22} {:<6} {:>7} {:>6} {:>9} {:>9} {:>6} {:>5} {:>8} {:>6} {:>9} why\n", "server",
-        "version", "sea", "changes", "behind", "ahead_ms", "+-_ms", "unheard", "peers", "sessions",
-        "cores", "waits_KB");
+        "{:<30} {:<22} {:<6} {:>7} {:>6} {:>9} {:>9} {:>6} {:>5} {:>8} {:>6} {:>9} {:>11} why\n",
+        "server", "version", "sea", "changes", "behind", "ahead_ms", "+-_ms", "unheard", "peers",
+        "sessions", "cores", "waits_KB", "counted");
     // All at a time: each takes half a second, and longer where a server does not answer.
     std::vector<std::future<Result<StatusRow>>> rows;
     for (const std::string& url : urls)

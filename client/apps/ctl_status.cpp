@@ -9,6 +9,12 @@
 namespace seaway::client {
 namespace {
 
+/// Changes that the log counts, of as many as it may; as a server without a journal, none.
+std::string counted(const nlohmann::json& journal) {
+    const int of = journal.value("counted_max", 0);
+    return of > 0 ? fmt::format("{}/{}", journal.at("counted").get<int>(), of) : "-";
+}
+
 // By at(), which throws for what is not there.
 std::string row_of(const std::string& url, const std::string& version, const nlohmann::json& state,
                    double cores, const nlohmann::json& sessions) {
@@ -21,7 +27,7 @@ std::string row_of(const std::string& url, const std::string& version, const nlo
     for (const nlohmann::json& one : sessions.at("listed"))
         bytes_waiting += one.at("bytes_waiting").get<std::uint64_t>();
     return fmt::format("{:<30} {:<22} {:<6} {:>7} {:>6} {:>9.3f} {:>9.3f} {:>6.2f} {:>5} {:>8} "
-                       "{:>6.2f} {:>9} {}\n",
+                       "{:>6.2f} {:>9} {:>11} {}\n",
                        url, version, journal.at("stale").get<bool>() ? "stale" : "ready",
                        journal.at("changes").get<int>(),
                        journal.at("changes").get<int>() - journal.at("played").get<int>(),
@@ -30,7 +36,7 @@ std::string row_of(const std::string& url, const std::string& version, const nlo
                        journal.at("unheard_s").get<double>(), journal.at("peers").get<int>(),
                        // This program is one of them.
                        sessions.at("sessions").get<int>() - 1, cores, bytes_waiting / 1024,
-                       journal.at("why").get<std::string>());
+                       counted(journal), journal.at("why").get<std::string>());
 }
 
 } // namespace

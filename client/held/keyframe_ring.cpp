@@ -365,6 +365,17 @@ void KeyframeRing::clear() {
     cascades_.clear();
 }
 
+void KeyframeRing::keep_only(const std::function<bool(const sea::Keyframe&)>& stays) {
+    const std::scoped_lock lock(mutex_);
+    ++changes_;
+    for (Cascade& cascade : cascades_)
+        std::erase_if(cascade.by_arrival, [&](const Held& held) {
+            const bool goes = !stays(held.keyframe->keyframe());
+            cascade.bytes -= goes ? held.keyframe->bytes() : 0;
+            return goes;
+        });
+}
+
 std::size_t KeyframeRing::size(int cascade) const {
     const std::scoped_lock lock(mutex_);
     const Cascade* ring = find(cascade);

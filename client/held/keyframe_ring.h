@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -163,6 +164,8 @@ class KeyframeRing {
                                                             sea::FieldSet fields) const;
 
     void clear();
+    /// Lets go of the others.
+    void keep_only(const std::function<bool(const sea::Keyframe&)>& stays);
 
     /// Another number after every call that may have changed what is held.
     std::uint64_t changes() const { return changes_; }

@@ -5,31 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "client/link/clock.h"
 #include "client/link/failure.h"
 #include "protocol/spectrum_codec.h"
 
 namespace seaway::client {
 
 namespace {
-
-/// A burst for a first estimate of the clock; then as many as let the shortest trips of a line that jitters
-/// by 20 ms tell the time to half a millisecond within 5 s (tests/load/load_two_clients.cpp); then two a second until half of the clock's
-/// window is full, and one from there on: who has the waves is sent nothing else.
-constexpr std::uint32_t fast_pings = 8;
-constexpr std::int64_t fast_ping_interval_us = 50'000;
-constexpr std::uint32_t settling_pings = 48; ///< the burst included
-constexpr std::int64_t settling_ping_interval_us = 100'000;
-constexpr std::uint32_t filling_pings = 100; ///< those before included: 30 s
-constexpr std::int64_t filling_ping_interval_us = 500'000;
-constexpr std::int64_t ping_interval_us = 1'000'000;
-
-std::int64_t pause_after_ping_us(std::uint32_t pings_sent) {
-    if (pings_sent <= fast_pings)
-        return fast_ping_interval_us;
-    if (pings_sent <= settling_pings)
-        return settling_ping_interval_us;
-    return pings_sent <= filling_pings ? filling_ping_interval_us : ping_interval_us;
-}
 
 /// Keyframes of both may be sampled together.
 bool same_maps(const SeaState& a, const SeaState& b) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "client/link/failure.h"
+#include "sea/basics/deviations.h"
 #include "sea/scene/scene.h"
 
 namespace seaway::client {
@@ -47,8 +48,9 @@ void RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::
 
 sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {
     sea::InverseOptions options{waves_->choppiness, tolerance_m(point), folds_};
+    constexpr double for_folds = sea::fold_sigmas / sea::bound_sigmas;
     if (error_.strain > 0)
-        options.blur = {error_.height_m, error_.displacement_m, error_.strain};
+        options.blur = {error_.height_m, for_folds * error_.displacement_m, error_.strain};
     return options;
 }
 

@@ -20,7 +20,8 @@
 
 namespace seaway::client {
 
-/// Bounds on what the waves of a rebuilt sea are off by at any place and time, m.
+/// Bounds on what the waves of a rebuilt sea are off by at any place and time, m: of waves that were rounded sea::bound_sigmas standard
+/// deviations, of strains sea::fold_sigmas.
 struct RebuiltError {
     double height_m = 0;
     double displacement_m = 0; ///< of a component of D

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "sea/basics/deviations.h"
+
 namespace seaway::client {
 namespace {
 
@@ -23,7 +25,8 @@ sea::SpectrumFrame frame_of(const SeaState& state, const protocol::SpectrumHead&
 
 ReceivedSpectrum::ReceivedSpectrum(SeaStatePtr state, const protocol::SpectrumHead& head)
     : state_(std::move(state)),
-      builder_(sea::SpectrumBuilder::create(frame_of(*state_, head), head.steps)) {
+      builder_(sea::SpectrumBuilder::create(frame_of(*state_, head), head.steps)),
+      chunks_to_come_(head.chunks) {
     if (head.chunks == 0 && builder_) // nothing is missed
         left_ = sea::SpectrumLeft{};
 }
@@ -33,6 +36,9 @@ Result<void> ReceivedSpectrum::add(const sea::SpectrumLeft& left,
     const std::scoped_lock making(making_);
     if (!builder_)
         return builder_.error();
+    if (chunks_to_come_ == 0)
+        return Error{"more waves come than the server said"};
+    --chunks_to_come_;
     for (const sea::WaveBlock& block : blocks)
         SEAWAY_TRY(builder_->add(block));
     sea_ = nullptr;
@@ -47,8 +53,8 @@ namespace {
 RebuiltError error_of(const sea::SpectrumLeft& left) {
     const double wider =
         left.height_m > 0 ? std::max(left.displacement_m / left.height_m, 1.0) : 1.0;
-    return {sea::spectrum_sigmas * left.height_m, sea::spectrum_sigmas * left.displacement_m,
-            sea::spectrum_sigmas * left.slope * wider};
+    return {sea::bound_sigmas * left.height_m, sea::bound_sigmas * left.displacement_m,
+            sea::fold_sigmas * left.slope * wider};
 }
 
 } // namespace
@@ -56,9 +62,19 @@ RebuiltError error_of(const sea::SpectrumLeft& left) {
 RebuiltSeaPtr ReceivedSpectrum::sea() const {
     const std::scoped_lock making(making_);
     if (!sea_ && left_) // which adding alone changes
-        sea_ = std::make_shared<const RebuiltSea>(
-            std::make_shared<const sea::Realization>(builder_->sea()), *state_, error_of(*left_));
+        sea_ = std::make_shared<const RebuiltSea>(waves(), *state_, error_of(*left_));
     return sea_;
+}
+
+sea::RealizationPtr ReceivedSpectrum::waves() const {
+    if (chunks_to_come_ > 0)
+        return std::make_shared<const sea::Realization>(builder_->sea());
+    if (!all_) {
+        auto all = std::make_shared<sea::Realization>(); // memory first, and nothing is lost
+        *all = std::move(*builder_).sea();
+        all_ = std::move(all);
+    }
+    return all_;
 }
 
 bool ReceivedSpectrum::has_come() const {

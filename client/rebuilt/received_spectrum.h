@@ -20,7 +20,7 @@ class ReceivedSpectrum {
     /// `head` has passed check().
     ReceivedSpectrum(SeaStatePtr state, const protocol::SpectrumHead& head);
 
-    /// Errors: what SpectrumBuilder does not take, a sea that is too large among it.
+    /// A chunk. Errors: what SpectrumBuilder does not take, a sea that is too large among it, and more chunks than `head` says.
     Result<void> add(const sea::SpectrumLeft& left, std::span<const sea::WaveBlock> blocks);
 
     /// Null before the first waves.
@@ -33,11 +33,15 @@ class ReceivedSpectrum {
     const SeaStatePtr& state() const { return state_; }
 
   private:
+    sea::RealizationPtr waves() const; ///< making_ held
+
     const SeaStatePtr state_;
-    mutable std::mutex making_; ///< of the next two, for as long as a sea takes; before mutex_
-    Result<sea::SpectrumBuilder> builder_;
-    mutable RebuiltSeaPtr sea_; ///< of what has come; null: to be made anew
-    mutable std::mutex mutex_;  ///< of what is left, which is asked for without waiting
+    mutable std::mutex making_; ///< of the next four, for as long as a sea takes; before mutex_
+    mutable Result<sea::SpectrumBuilder> builder_;
+    std::uint32_t chunks_to_come_;
+    mutable sea::RealizationPtr all_; ///< taken from builder_ once all has come: it is held once
+    mutable RebuiltSeaPtr sea_;       ///< of what has come; null: to be made anew
+    mutable std::mutex mutex_;        ///< of what is left, which is asked for without waiting
     std::optional<sea::SpectrumLeft> left_;
 };
 

@@ -40,16 +40,13 @@ struct SpectrumSteps {
     bool operator==(const SpectrumSteps&) const = default;
 };
 
-/// Standard deviations of what a spectrum misses, at any place and time; of waves whose phases were given a sixth of what they
-/// miss where all add up (spectrum_sigmas).
+/// Standard deviations of what a spectrum misses, at any place and time, of which bound_sigmas (sea/basics/deviations.h) are a bound: it is
+/// the sum of what thousands of waves of random phases are off by. Of waves whose phases were given they are a fifth of what those miss
+/// where all add up.
 struct SpectrumLeft {
     double height_m = 0;
     double displacement_m = 0; ///< of the component of D that it is more of
     double slope = 0;          ///< likewise of the slope
 };
-
-/// A bound on what a spectrum misses, in its standard deviations: it stays for as long as the sea does, so that
-/// there are many chances to exceed it, one in 5e8 at each place and time.
-inline constexpr double spectrum_sigmas = 6.0;
 
 } // namespace seaway::sea

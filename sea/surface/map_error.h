@@ -13,16 +13,11 @@
 #include <cmath>
 
 #include "base/short_list.h"
+#include "sea/basics/deviations.h"
 #include "sea/basics/time.h"
 #include "sea/surface/maps/hermite.h"
 
 namespace seaway::sea {
-
-/// Of every stated bound on a height.
-inline constexpr double bound_sigmas = 5.0;
-/// Of what maps miss of displacements and strains where folds are told apart (sea/surface/sheets.h): a
-/// fold that is overlooked gives an answer that no bound covers.
-inline constexpr double fold_sigmas = 6.0;
 
 /// 16 s^2 (1-s)^2: 0 at the ends of a cell, where maps and keyframes are right, 1 in its middle.
 template <class Real>

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "sea/basics/deviations.h"
+
 namespace seaway::sea {
 namespace {
 
@@ -57,7 +59,7 @@ class Noise {
         }
         return *this;
     }
-    /// Variances of which spectrum_sigmas deviations are a bound of all.
+    /// Variances of which bound_sigmas deviations are a bound of all.
     double height() const { return variance(0); }
     double displacement() const { return std::max(variance(1), variance(2)); }
     double slope() const { return std::max(variance(3), variance(4)); }
@@ -67,7 +69,7 @@ class Noise {
 
   private:
     double variance(std::size_t i) const {
-        const double sure = amplitudes_[i] / spectrum_sigmas;
+        const double sure = amplitudes_[i] / bound_sigmas;
         const double chance = std::sqrt(std::max(variances_[i], 0.0));
         return (chance + sure) * (chance + sure);
     }

@@ -4,7 +4,7 @@
 //
 // Rounding is noise: eta of it has the variance 2 sum |error of h0|^2, slopes and displacements likewise, times k^2
 // and coth^2(kd). What is stated is that sum over the very waves of this sea, those that round to nothing
-// included; no law is assumed but that waves of random phases add up to a normal error (spectrum_sigmas). Steps
+// included; no law is assumed but that waves of random phases add up to a normal error (sea/basics/deviations.h). Steps
 // that are even in k for a height, and even in k h0 for a slope, are the cheapest (reverse water-filling: Cover and
 // Thomas, Elements of Information Theory, 10.3.3); for both at once step_m / sqrt(1 + (k length_m)^2), whose
 // length_m is tried out.
@@ -19,6 +19,10 @@
 #include "sea/waves/realization.h"
 
 namespace seaway::sea {
+
+/// What is wanted is more than so many standard deviations of what is missed: a sea is asked for days, and one more than stated bounds have
+/// (bound_sigmas) costs 3 % of the bytes.
+inline constexpr double spectrum_sigmas = 6.0;
 
 /// Bounds at any place and time, spectrum_sigmas standard deviations; both above 0, and the second infinite
 /// where slopes do not matter.

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
@@ -40,7 +41,8 @@ class SpectrumBuilder {
     /// beyond its lattice or too fast for a rate.
     Result<void> add(const WaveBlock& block);
 
-    const Realization& sea() const { return sea_; }
+    const Realization& sea() const& { return sea_; }
+    Realization sea() && { return std::move(sea_); } ///< after which there is none
 
   private:
     SpectrumBuilder() = default;

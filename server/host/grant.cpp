@@ -237,13 +237,18 @@ Demand grant_of(const Demand& wish, Budgets budgets, FieldSet offered,
         return {.why = why};
     rung.codec = codec_for(budgets, wish, rung);
     granted.quality = number_of(rung);
-    if (is_coarser(granted.quality) && !in_use[granted.quality] && full(in_use)) {
+    if (is_coarser(granted.quality) && !in_use[granted.quality] &&
+        (wish.shared_only || full(in_use))) {
         granted.quality = shared_instead(budgets, rung, wish.cascades, in_use);
         const std::string why =
-            fmt::format("{} kinds of coarser maps are in use by others", coarser_rungs_max);
+            wish.shared_only
+                ? fmt::format("{} kinds of coarser maps are in use by others of this address",
+                              coarser_rungs_of_address_max)
+                : fmt::format("{} kinds of coarser maps are in use by others", coarser_rungs_max);
         if (!in_use[granted.quality])
             return {.why = why, .busy = true};
         rung = rung_of(granted.quality);
+        granted.crowded = true;
         say(granted.why, why);
     }
     if (is_coarser(granted.quality))

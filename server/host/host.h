@@ -48,6 +48,8 @@ struct KeyframeTiles {
     sea::CoarserLoss coarser = {};
     /// By which its heights follow from those of the keyframe before; none: they are sent by themselves.
     std::optional<sea::WaveLaw> law = {};
+    /// So many of the qualities at which it is wanted have more readers: they go first.
+    std::size_t rank = 0;
 };
 
 struct QueryBatch {

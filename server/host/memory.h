@@ -56,7 +56,7 @@ inline constexpr std::array<MemoryShare, memory_uses> memory_shares{{
     {MemoryUse::prompt_surfaces, "prompt_surfaces", 5},
     // Raw keyframes of fetches and of starts of subscriptions, until they are encoded: waits.
     {MemoryUse::fetches, "fetches", 8},
-    // Raw keyframes on their way to subscribers: left out and counted.
+    // Raw keyframes on their way to subscribers, each once for all of its rungs: the oldest are left out and counted.
     {MemoryUse::encoding, "encoding", 2},
     // What the encoder remembers: oldest first out.
     {MemoryUse::encoded, "encoded", 2},

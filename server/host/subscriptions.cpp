@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/host/subscriptions.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace seaway::server {
@@ -10,8 +11,8 @@ void Subscriptions::set(SessionId session, const Demand& grant) {
         Demand now = grant; // where there is no memory for it nothing has changed
         const std::scoped_lock lock(mutex_);
         const auto [at, is_new] = grants_.try_emplace(session);
-        if (!is_new)
-            --of_quality_[at->second.quality];
+        if (!is_new && --of_quality_[at->second.quality] == 0 && is_coarser(at->second.quality))
+            ++coarser_given_up_;
         if (now.empty()) {
             grants_.erase(at);
             if (is_new)
@@ -64,11 +65,19 @@ std::array<sea::FieldSet, rate_rungs_hz.size()> Subscriptions::wanted_by_rate(in
     return fields;
 }
 
-std::bitset<quality_rungs> Subscriptions::qualities(int cascade) const {
-    const std::scoped_lock lock(mutex_);
-    std::bitset<quality_rungs> used;
-    for (const auto& [session, grant] : grants_)
-        used[grant.quality] = used[grant.quality] || grant.wants(cascade);
+std::vector<Quality> Subscriptions::most_wanted(int cascade) const {
+    std::array<std::size_t, quality_rungs> readers{};
+    {
+        const std::scoped_lock lock(mutex_);
+        for (const auto& [session, grant] : grants_)
+            readers[grant.quality] += grant.wants(cascade) ? 1 : 0;
+    }
+    std::vector<Quality> used;
+    for (Quality quality = 0; quality < quality_rungs; ++quality)
+        if (readers[quality] > 0)
+            used.push_back(quality);
+    std::ranges::stable_sort(used, std::greater{},
+                             [&](Quality quality) { return readers[quality]; });
     return used;
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <bitset>
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sea/basics/field.h"
 #include "sea/basics/time.h"
@@ -45,6 +47,10 @@ struct Demand {
     /// Granted only: in what it is less than the wish; empty: in nothing. An empty grant: why.
     std::string why = {};
     bool busy = false; ///< Granted only, and empty: asking again later may help.
+    /// Of a wish: of coarser maps such as somebody has, since its address has as many kinds as it may have.
+    bool shared_only = false;
+    /// Granted only: other coarser maps than were wished for, as long as others have so many kinds.
+    bool crowded = false;
     /// Granted only: the sea time from which on it is worth looking whether the same wish would get something else.
     sea::TimeUs until_us = std::numeric_limits<sea::TimeUs>::max();
     /// Of a wish: it is a grant's of this quality, and stays at its rate, where seas have changed.
@@ -83,11 +89,13 @@ class Subscriptions {
     sea::FieldSet wanted(int cascade, Quality quality) const;
     /// The same of those who take keyframes at most at a rate, one a rung of rates.
     std::array<sea::FieldSet, rate_rungs_hz.size()> wanted_by_rate(int cascade) const;
-    /// Rungs at which somebody wants a cascade, and at which anybody (`but` one) wants any; the latter without a look at each
-    /// session, as each session asks for it when grants are renewed.
-    std::bitset<quality_rungs> qualities(int cascade) const;
+    /// Rungs at which somebody wants a cascade, those with most readers first.
+    std::vector<Quality> most_wanted(int cascade) const;
+    /// Rungs at which anybody (`but` one) wants any, without a look at each session, as each session asks for it when grants are renewed.
     std::bitset<quality_rungs> qualities() const { return qualities_but({}); }
     std::bitset<quality_rungs> qualities_but(std::optional<SessionId> session) const;
+    /// So many times nobody was left at a rung of coarser maps. Without a lock.
+    std::uint64_t coarser_given_up() const { return coarser_given_up_; }
     /// The same of those who do not want a field.
     sea::FieldSet wanted_without(int cascade, sea::Field field) const;
 
@@ -99,6 +107,7 @@ class Subscriptions {
     mutable std::mutex mutex_;
     std::map<SessionId, Demand> grants_;
     std::array<std::size_t, quality_rungs> of_quality_{}; ///< how many have each
+    std::atomic<std::uint64_t> coarser_given_up_ = 0;
 };
 
 } // namespace seaway::server

@@ -46,8 +46,10 @@ struct Beginning {
 
 /// Kinds of append()'s errors.
 enum class JournalError {
-    lapsed,       ///< it was written, but so late that it changes nothing: to be asked for again
-    clock_behind, ///< the same, though it was written at once: this server's clock is behind the log's
+    lapsed, ///< it was written, but so late that it changes nothing: to be asked for again
+    /// This server's clock is behind: the log's, so that what was written at once has lapsed as well, or what it was when the last
+    /// change was made, so that nothing is written.
+    clock_behind,
     outrun, ///< another change has this number: nothing of this one is kept; since() has the other one
     unreachable, ///< the log cannot be asked: nothing of it is kept
     unknown,     ///< it was asked and has not said: since() has the change later, or never
@@ -64,6 +66,8 @@ struct JournalStanding {
     bool compares =
         false;       ///< it has just begun to compare clocks, and not two others have answered yet
     PeersSeen peers; ///< how far this server's clock is from those of others with the same log
+    /// When the last change was made, by the clock that compare_clocks() gave; 0: it does not say, or others append.
+    std::int64_t made_utc_us = 0;
     std::string trouble; ///< what is wrong, one line; empty: nothing
 };
 
@@ -94,7 +98,8 @@ class Journal {
     /// nobody else follows the log.
     virtual std::int64_t spread_us() const = 0;
     /// From now on this clock, the time since the sea's epoch, is compared with those of others who follow the log, standing().peers, and
-    /// is what changes are told to be stored by.
+    /// is what changes are told to be stored by; where nobody else appends it is what each change was made at, and none is taken
+    /// before the last one was.
     /// Empty: no more.
     virtual void compare_clocks(std::function<std::int64_t()> elapsed_us) = 0;
     /// The server stops: what waits for the log, and what is asked of it from now on, ends within some 2 s, with an error where nobody is

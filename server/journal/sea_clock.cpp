@@ -48,6 +48,7 @@ SeaMoment SeaClock::locked_moment() {
     const sea::TimeUs caught_up_us =
         behind_us > leap_us ? behind_us : std::clamp(behind_us, -most_us, most_us);
     elapsed_us_ += caught_up_us;
+    leapt_us_ += caught_up_us > leap_us ? caught_up_us : 0;
     paces_.forget_before(elapsed_us_);
     const sea::TimeUs by_paces_us = paces_.sea_time(elapsed_us_);
     shown_us_ = std::max(shown_us_, by_paces_us);
@@ -56,7 +57,8 @@ SeaMoment SeaClock::locked_moment() {
             paces_.at(elapsed_us_).permille,
             behind_us - caught_up_us,
             epoch_utc_us_,
-            shown_us_ - by_paces_us};
+            shown_us_ - by_paces_us,
+            leapt_us_};
 }
 
 void SeaClock::follow(const sea::Pace& pace) {

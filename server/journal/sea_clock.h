@@ -34,6 +34,8 @@ struct SeaMoment {
     std::int64_t epoch_utc_us; ///< instant of sea time 0, since 1970-01-01T00:00:00Z
     /// How far `now_us` is ahead of what the paces say: it stands until they have come there, a pace having been heard of too late.
     sea::TimeUs ahead_us = 0;
+    /// By how much it has leapt to where UTC was, all leaps since it began together.
+    sea::TimeUs leapt_us = 0;
 };
 
 /// "2026-11-22T23:17:09.000250Z", of the years 0 to 9999; others as microseconds.
@@ -85,6 +87,7 @@ class SeaClock {
     sea::Paces paces_;
     sea::TimeUs shown_us_;
     sea::TimeUs unspent_us_ = 0; ///< time that has passed and not come to a microsecond of pull
+    sea::TimeUs leapt_us_ = 0;
 };
 
 } // namespace seaway::server

@@ -12,27 +12,37 @@
 #include "base/disk_room.h"
 #include "base/text_file.h"
 #include "server/journal/change_text.h"
+#include "server/journal/sea_clock.h"
 
 namespace seaway::server {
 namespace {
 
 /// "Seaw", in the header of the file (sqlite.org/fileformat2.html, offset 68).
 constexpr std::int32_t application_id = 0x53656177;
-constexpr std::int32_t version = 1;
+constexpr std::int32_t version = 2;
 constexpr int busy_wait_ms = 5000; ///< for who looks at the file with another program
 
 constexpr const char* layout = R"(
     PRAGMA application_id = 1399153015;
-    PRAGMA user_version = 1;
+    PRAGMA user_version = 2;
     CREATE TABLE sea (one INTEGER PRIMARY KEY CHECK (one = 1), epoch_utc_us INTEGER NOT NULL) STRICT;
     CREATE TABLE changes (
         epoch INTEGER PRIMARY KEY,
         start_us INTEGER NOT NULL,
         end_us INTEGER NOT NULL,
         scene TEXT NOT NULL,
-        sum INTEGER NOT NULL) STRICT;
+        sum INTEGER NOT NULL,
+        made_utc_us INTEGER) STRICT;
 )";
-static_assert(application_id == 1399153015 && version == 1, "as the layout says");
+static_assert(application_id == 1399153015 && version == 2, "as the layout says");
+/// What layout 1 lacks. The header of a file may still say 1 when what stands beside it says 2.
+constexpr const char* has_when_made =
+    "SELECT count(*) FROM pragma_table_info('changes') WHERE name = 'made_utc_us'";
+constexpr const char* when_last_made =
+    "SELECT made_utc_us FROM changes ORDER BY epoch DESC LIMIT 1";
+constexpr const char* add_when_made =
+    "BEGIN IMMEDIATE; ALTER TABLE changes ADD COLUMN made_utc_us INTEGER; "
+    "PRAGMA user_version = 2; COMMIT";
 
 /// A disk that is full, or does not answer, or another program that holds the file, is no wrong journal: it passes.
 Error sql_error(sqlite3* database) {
@@ -98,11 +108,21 @@ class Statement {
     int bound_ = 0;
 };
 
-Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t sum) {
+/// Of the first row.
+Result<std::int64_t> first_number(sqlite3* database, const char* sql) {
+    SEAWAY_TRY_LET(Statement one, Statement::prepare(database, sql));
+    SEAWAY_TRY(one.step());
+    return one.integer(0);
+}
+
+Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t sum,
+                    std::int64_t made_utc_us) {
     SEAWAY_TRY_LET(Statement row,
-                   Statement::prepare(database, "INSERT INTO changes VALUES (?, ?, ?, ?, ?)"));
+                   Statement::prepare(database,
+                                      "INSERT INTO changes (epoch, start_us, end_us, scene, "
+                                      "sum, made_utc_us) VALUES (?, ?, ?, ?, ?, ?)"));
     row.bind(change.epoch).bind(change.start_us).bind(change.end_us).bind(text_of(change));
-    row.bind(static_cast<std::int64_t>(sum));
+    row.bind(static_cast<std::int64_t>(sum)).bind(made_utc_us);
     SEAWAY_TRY(row.step());
     return {};
 }
@@ -125,7 +145,7 @@ Result<void> check_header(const std::string& path) {
     };
     if (number(68) != application_id)
         return Error{"belongs to another program; it is left as it is"};
-    if (number(60) != version)
+    if (number(60) != version && number(60) != 1)
         return Error{fmt::format("was written by another version of Seaway (its layout is {}, this "
                                  "one reads {}); it is left as it is",
                                  number(60), version)};
@@ -232,7 +252,7 @@ Result<void> SqliteJournal::create(const std::string& folder, const std::string&
         SEAWAY_TRY(sea.bind(beginning.epoch_utc_us).step());
     }
     const SeaChange first{.scene = beginning.scene};
-    SEAWAY_TRY(insert(opened, first, sum_of(first_sum(beginning.epoch_utc_us), first)));
+    SEAWAY_TRY(insert(opened, first, sum_of(first_sum(beginning.epoch_utc_us), first), 0));
     SEAWAY_TRY(run(opened, "COMMIT; PRAGMA journal_mode = WAL"));
     if (sqlite3_close(database.release()) != SQLITE_OK) // the log is in the file now, and gone
         return Error{"it cannot be closed"};
@@ -257,10 +277,13 @@ Result<void> SqliteJournal::open_file() {
     SEAWAY_TRY(look_through());
     sqlite3_db_config(opened, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
     SEAWAY_TRY(run(opened, "PRAGMA synchronous = FULL"));
-    SEAWAY_TRY_LET(Statement mode, Statement::prepare(opened, "PRAGMA journal_mode = WAL"));
-    SEAWAY_TRY_LET(const bool row, mode.step());
-    if (!row || mode.text(0) != "wal")
-        return Error{"cannot be written with a log ahead: " + mode.text(0)};
+    {
+        SEAWAY_TRY_LET(Statement mode, Statement::prepare(opened, "PRAGMA journal_mode = WAL"));
+        SEAWAY_TRY_LET(const bool row, mode.step());
+        if (!row || mode.text(0) != "wal")
+            return Error{"cannot be written with a log ahead: " + mode.text(0)};
+    }
+    SEAWAY_TRY(read_when_made());
     sqlite3* reader = nullptr;
     const int read = sqlite3_open_v2(path_.c_str(), &reader,
                                      SQLITE_OPEN_READONLY | SQLITE_OPEN_FULLMUTEX, nullptr);
@@ -320,6 +343,14 @@ Result<void> SqliteJournal::look_through() {
     return {};
 }
 
+Result<void> SqliteJournal::read_when_made() {
+    SEAWAY_TRY_LET(const std::int64_t says, first_number(database_.get(), has_when_made));
+    if (says == 0)
+        return run(database_.get(), add_when_made);
+    SEAWAY_TRY_LET(made_utc_us_, first_number(database_.get(), when_last_made));
+    return {};
+}
+
 void SqliteJournal::hold(const SeaChange& last) {
     last_ = {last.epoch, last.start_us, last.end_us, {}};
     last_epoch_ = last.epoch;
@@ -364,8 +395,28 @@ Error SqliteJournal::undone(Error why) {
     return why;
 }
 
+/// Of a clock that has not been set yet, as after a start: a change made by it would begin before those that have run.
+Result<void> SqliteJournal::check_clock(std::int64_t now_utc_us) const {
+    if (now_utc_us >= made_utc_us_)
+        return {};
+    return Error{
+        JournalError::clock_behind,
+        wrong(fmt::format("takes nothing: its last change was made at {}, and by the sea's "
+                          "clock it is {}. Set this machine's clock",
+                          utc_text(made_utc_us_), utc_text(now_utc_us)))
+            .message};
+}
+
+void SqliteJournal::compare_clocks(std::function<std::int64_t()> elapsed_us) {
+    const std::scoped_lock lock(mutex_);
+    elapsed_us_ = std::move(elapsed_us);
+}
+
 Result<void> SqliteJournal::append(const SeaChange& change) {
     const std::scoped_lock lock(mutex_);
+    const std::int64_t now_utc_us =
+        elapsed_us_ ? epoch_utc_us_ + elapsed_us_() : made_utc_us_.load();
+    SEAWAY_TRY(check_clock(now_utc_us));
     if (const Result<void> next = check_next(last_, change); !next)
         return wrong(next.error().message);
     const std::optional<FileIdentity> log_file = file_identity(path_ + "-wal");
@@ -374,16 +425,17 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
         return wrong("was removed or replaced while this server runs: a restart goes on with what "
                      "is there then");
     const std::uint64_t sum = sum_of(sum_, change);
-    if (const Result<void> written = insert(database_.get(), change, sum); !written)
+    if (const Result<void> written = insert(database_.get(), change, sum, now_utc_us); !written)
         return undone(wrong(written.error().message));
     log_file_ = log_file_ ? log_file_ : file_identity(path_ + "-wal");
     sum_ = sum;
+    made_utc_us_ = now_utc_us;
     hold(change);
     return {};
 }
 
 JournalStanding SqliteJournal::standing() const {
-    return {.last_epoch = last_epoch_, .peers = {}, .trouble = {}};
+    return {.last_epoch = last_epoch_, .peers = {}, .made_utc_us = made_utc_us_, .trouble = {}};
 }
 
 } // namespace seaway::server

@@ -3,10 +3,11 @@
 //
 // The file comes into being whole, by a rename. So a file that is there is a journal, or it is named and left alone:
 // one of another program, one that is damaged, one that a later version wrote. The folder is this process's while
-// the journal is open (DIR/lock).
+// the journal is open (DIR/lock). Layout 1 did not say when a change was made: such a file is given that column when it is opened.
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 
@@ -35,7 +36,7 @@ class SqliteJournal final : public Journal {
     Result<void> append(const SeaChange& change) override;
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return 0; }
-    void compare_clocks(std::function<std::int64_t()>) override {}
+    void compare_clocks(std::function<std::int64_t()> elapsed_us) override;
     void connect_no_more() override {}                     // it is a file
     void call_on_change(std::function<void()>) override {} // nobody else has the folder
 
@@ -52,7 +53,9 @@ class SqliteJournal final : public Journal {
                                const Beginning& beginning);
     Result<void> open_file();
     Result<void> look_through();
+    Result<void> read_when_made();
     void hold(const SeaChange& last);
+    Result<void> check_clock(std::int64_t now_utc_us) const;
     Error wrong(const std::string& why) const;
     /// With the kind of `why`.
     Error not_opened(const Error& why, const std::string& what = {}) const;
@@ -72,7 +75,9 @@ class SqliteJournal final : public Journal {
     SeaChange last_; ///< without its scene
     /// Its number, for whoever may not wait for a disk.
     std::atomic<std::uint32_t> last_epoch_ = 0;
-    std::uint64_t sum_ = 0; ///< of all changes
+    std::uint64_t sum_ = 0;                     ///< of all changes
+    std::function<std::int64_t()> elapsed_us_;  ///< none: it is not said when changes are made
+    std::atomic<std::int64_t> made_utc_us_ = 0; ///< the last one; 0: not known
 };
 
 } // namespace seaway::server

@@ -77,6 +77,7 @@ class Core : public std::enable_shared_from_this<Core> {
     Senders senders;
     Turns turns;
     Deliveries deliveries{*this};
+    Turns::Clock::time_point tells_of_left_out; ///< a line about keyframes, from then on
     Door door;
     Door health_door;
     int upgrades = 0; ///< under way: each will be a session

@@ -54,7 +54,8 @@ class Text {
 void add_keyframes(Text& t, const Counters& c, const Gauges& g, const EncoderCounters& e) {
     t.one("keyframes_published_total", "counter", "Keyframes that somebody wanted",
           c.keyframes_published);
-    t.one("keyframes_dropped_total", "counter", "Keyframes dropped before encoding: encoder behind",
+    t.one("keyframes_dropped_total", "counter",
+          "Keyframes left out before encoding, one a rung: the encoder is behind",
           c.keyframes_dropped);
     t.one("keyframes_wrong_total", "counter", "Keyframes with samples that were not finite",
           c.keyframes_wrong);

@@ -66,7 +66,7 @@ struct Counters {
     std::uint64_t fetches = 0;
     std::uint64_t predictions_given_up = 0; ///< by sessions that now want the same whole
     std::uint64_t keyframes_published = 0;  ///< that somebody wanted
-    std::uint64_t keyframes_dropped = 0;    ///< encoder too far behind
+    std::uint64_t keyframes_dropped = 0;    ///< one a rung; encoder too far behind
     std::uint64_t keyframes_wrong = 0;      ///< refused by the codec: not finite
     std::uint64_t out_of_memory = 0;        ///< something was ended for want of it
     OutboxCounters outboxes;                ///< of sessions that have ended

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/encode_worker.h"
 
+#include <algorithm>
 #include <new>
 
 namespace seaway::server {
@@ -13,8 +14,56 @@ EncodeWorker::~EncodeWorker() {
     stop();
 }
 
-bool EncodeWorker::submit_streamed(Job job, std::size_t bytes) {
-    return submit(streamed_, streamed_waiting_max, std::move(job), bytes);
+std::size_t EncodeWorker::submit_streamed(Job job, const sea::KeyframePtr& keyframe,
+                                          std::size_t rank) {
+    Line left_out; // what jobs hold is released outside the lock
+    {
+        const std::lock_guard lock(mutex_);
+        if (stopping_)
+            return 1;
+        if (streamed_.size() >= streamed_waiting_max)
+            leave_out_the_oldest(left_out);
+        Waiting next{std::move(job), keyframe};
+        next.rank = rank;
+        if (const Waiting* same = another_of(next.of)) {
+            next.place = same->place;
+            next.arrived = same->arrived;
+        } else {
+            next.arrived = ++arrived_;
+            while (keyframe != nullptr &&
+                   !(next.place = memory_->room(MemoryUse::encoding)->take(keyframe->bytes()))) {
+                if (streamed_.empty())
+                    return left_out.size() + 1;
+                leave_out_the_oldest(left_out);
+            }
+        }
+        const auto later = std::ranges::upper_bound(streamed_, rank, {},
+                                                    [](const Waiting& one) { return one.rank; });
+        streamed_.insert(later, std::move(next));
+    }
+    wake_.notify_one();
+    return left_out.size();
+}
+
+const EncodeWorker::Waiting* EncodeWorker::another_of(const sea::KeyframePtr& keyframe) const {
+    if (keyframe == nullptr)
+        return nullptr;
+    if (encoded_now_ != nullptr && encoded_now_->of == keyframe)
+        return encoded_now_;
+    const auto found = std::ranges::find(streamed_, keyframe, &Waiting::of);
+    return found == streamed_.end() ? nullptr : &*found;
+}
+
+void EncodeWorker::leave_out_the_oldest(Line& left_out) {
+    const std::uint64_t first = std::ranges::min_element(streamed_, {}, &Waiting::arrived)->arrived;
+    const auto rest = std::ranges::stable_partition(
+        streamed_, [first](const Waiting& one) { return one.arrived != first; });
+    for (Waiting& one : rest)
+        one.place = nullptr; // at once: the room is for what comes
+    const std::size_t before = left_out.size();
+    left_out.resize(before + rest.size()); // where there is no memory for that, nothing is lost
+    std::ranges::move(rest, left_out.begin() + static_cast<std::ptrdiff_t>(before));
+    streamed_.erase(rest.begin(), rest.end());
 }
 
 bool EncodeWorker::submit_fetched(Job job) {
@@ -25,15 +74,12 @@ bool EncodeWorker::submit_start(Job job) {
     return submit(starts_, starts_waiting_max, std::move(job));
 }
 
-bool EncodeWorker::submit(Line& line, std::size_t waiting_max, Job job, std::size_t bytes) {
+bool EncodeWorker::submit(Line& line, std::size_t waiting_max, Job job) {
     {
         const std::lock_guard lock(mutex_);
         if (stopping_ || line.size() >= waiting_max)
             return false;
-        Room::Place place;
-        if (bytes > 0 && !(place = memory_->room(MemoryUse::encoding)->take(bytes)))
-            return false;
-        line.push_back({std::move(job), std::move(place)});
+        line.push_back({.job = std::move(job)});
     }
     wake_.notify_one();
     return true;
@@ -75,20 +121,23 @@ void EncodeWorker::run() {
             return;
         Waiting next = std::move(line->front());
         line->pop_front();
+        encoded_now_ = &next;
         lock.unlock();
         bool done = true; // also where there is no memory for it
         try {
             done = next.job(encoder_);
         } catch (const std::bad_alloc&) {
         }
-        if (done)
-            next = {}; // what it holds is released outside the lock
         lock.lock();
+        encoded_now_ = nullptr;
         try {
             if (!done && !stopping_)
                 line->push_front(std::move(next));
         } catch (const std::bad_alloc&) { // whose job it was is told by its end
         }
+        lock.unlock();
+        next = {}; // what it holds is released outside the lock
+        lock.lock();
     }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // EncodeWorker: the thread that owns the Encoder. Streamed keyframes go before fetched ones, also in
 // the middle of a fetch: a large one is encoded slice by slice. The lines are bounded: what does not
-// fit is refused to its owner, who counts it.
+// fit is refused to its owner, who counts it. Of what is streamed the rungs with most readers go first, and where there is
+// no room what has waited longest goes: sessions with wishes of their own take nothing from the others.
 #pragma once
 
 #include <condition_variable>
@@ -19,9 +20,9 @@ class EncodeWorker {
     /// Encodes one keyframe a call; true: that was the last.
     using Job = std::function<bool(Encoder&)>;
 
-    /// Keyframes that wait to be streamed: two of each of 8 cascades at three qualities. A server that
-    /// is further behind than that leaves keyframes out.
-    static constexpr std::size_t streamed_waiting_max = 48;
+    /// Rungs of keyframes that wait to be streamed: two keyframes of each of 8 cascades at all rungs that may be in use. A server
+    /// that is further behind than that leaves some out.
+    static constexpr std::size_t streamed_waiting_max = 16 * (whole_rungs + coarser_rungs_max);
     /// Parts of fetches, and starts of subscriptions, that wait: there is room for as many as all
     /// sessions may have in flight. How much they hold is bounded by who makes them.
     static constexpr std::size_t fetches_waiting_max = 4096;
@@ -33,8 +34,12 @@ class EncodeWorker {
     EncodeWorker(const EncodeWorker&) = delete;
     EncodeWorker& operator=(const EncodeWorker&) = delete;
 
-    /// False: full, or stopped. Any thread. A streamed one holds `bytes` until it is encoded.
-    [[nodiscard]] bool submit_streamed(Job job, std::size_t bytes = 0);
+    /// A keyframe that is to be streamed at one of its rungs; `rank`: so many of them have more readers. The keyframe has its
+    /// room once, until the last of its rungs is encoded. How many rungs were left out for want of room, or of a place in
+    /// the line: all that waits of the keyframes that came first, or this one. Any thread.
+    [[nodiscard]] std::size_t submit_streamed(Job job, const sea::KeyframePtr& keyframe = nullptr,
+                                              std::size_t rank = 0);
+    /// False: full, or stopped. Any thread.
     [[nodiscard]] bool submit_fetched(Job job);
     [[nodiscard]] bool submit_start(Job job);
 
@@ -47,11 +52,18 @@ class EncodeWorker {
   private:
     struct Waiting {
         Job job;
-        Room::Place place;
+        sea::KeyframePtr of = nullptr; ///< streamed
+        Room::Place place = {};        ///< shared by all rungs of a keyframe
+        std::uint64_t arrived = 0;
+        std::size_t rank = 0;
     };
     using Line = std::deque<Waiting>;
 
-    bool submit(Line& line, std::size_t waiting_max, Job job, std::size_t bytes = 0);
+    bool submit(Line& line, std::size_t waiting_max, Job job);
+    /// Of the rungs that wait of a keyframe, or the one that is encoded now; null: none.
+    const Waiting* another_of(const sea::KeyframePtr& keyframe) const;
+    /// All that waits of the keyframe that came first.
+    void leave_out_the_oldest(Line& left_out);
     void run();
     /// The line whose turn it is, or null: streamed keyframes, then starts and fetches one by one.
     Line* next_line();
@@ -60,7 +72,9 @@ class EncodeWorker {
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     bool stopping_ = false;
-    Line streamed_;
+    Line streamed_; ///< by rank, then as they came
+    std::uint64_t arrived_ = 0;
+    const Waiting* encoded_now_ = nullptr;
     Line fetched_;
     Line starts_;
     bool starts_turn_ = true;

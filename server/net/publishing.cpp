@@ -17,6 +17,15 @@ void append_frame_header(std::size_t length, protocol::Bytes& out) {
     out.insert(out.end(), header.bytes.begin(), header.bytes.begin() + header.size);
 }
 
+void tell_of_left_out(Core& core, std::size_t more) {
+    core.counters.keyframes_dropped += more;
+    if (const Turns::Clock::time_point now = Turns::Clock::now(); now >= core.tells_of_left_out) {
+        core.tells_of_left_out = now + std::chrono::seconds(10);
+        core.log(fmt::format("event=keyframes_left_out count={} why=\"the encoder is behind\"",
+                             core.counters.keyframes_dropped));
+    }
+}
+
 } // namespace
 
 void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
@@ -53,8 +62,9 @@ void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
         });
         return true;
     };
-    if (!core->encoding.submit_streamed(job, tiles.keyframe->bytes()))
-        core->post([core = core.get()] { ++core->counters.keyframes_dropped; });
+    const std::size_t left_out = core->encoding.submit_streamed(job, tiles.keyframe, tiles.rank);
+    if (left_out > 0)
+        core->post([core = core.get(), left_out] { tell_of_left_out(*core, left_out); });
 }
 
 } // namespace seaway::server

@@ -2,6 +2,7 @@
 #include "server/net/session.h"
 
 #include <algorithm>
+#include <bitset>
 #include <chrono>
 #include <new>
 
@@ -124,13 +125,15 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
         return refuse(request_id, fine.error());
     if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
         return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
-    const Demand wish{.cascades = subscribe.cascades(),
-                      .fields = sea::FieldSet::from_bits(subscribe.fields()),
-                      .error_m = subscribe.error_m(),
-                      .compact = subscribe.compact(),
-                      .predicted = subscribe.predicted(),
-                      .rate_hz_max = subscribe.rate_hz_max(),
-                      .size_max = subscribe.size_max()};
+    Demand wish{.cascades = subscribe.cascades(),
+                .fields = sea::FieldSet::from_bits(subscribe.fields()),
+                .error_m = subscribe.error_m(),
+                .compact = subscribe.compact(),
+                .predicted = subscribe.predicted(),
+                .rate_hz_max = subscribe.rate_hz_max(),
+                .size_max = subscribe.size_max()};
+    wish.shared_only = shares_coarser_maps(wish);
+    const std::uint64_t given_up = core_.host.subscriptions().coarser_given_up();
     const Demand grant = core_.host.grant(wish, id_);
     if (grant.empty()) // what was granted before goes on
         return refuse(request_id,
@@ -144,6 +147,7 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
     subscription_ = Subscription{request_id, wish, subscribe.credit(), grant};
+    subscription_->coarser_given_up = given_up;
     state_grant();
     Demand start = grant;
     start.fields |= grant.follows;
@@ -161,6 +165,17 @@ void Session::state_grant() {
                                subscription_->credit, grant.why));
 }
 
+bool Session::shares_coarser_maps(const Demand& wish) const {
+    if (wish.size_max == 0 && !(wish.rate_hz_max > 0))
+        return false;
+    std::bitset<quality_rungs> kinds;
+    for (const auto& [id, other] : core_.sessions)
+        if (id != id_ && other->peer_.address == peer_.address && other->subscription_ &&
+            is_coarser(other->subscription_->granted.quality))
+            kinds.set(other->subscription_->granted.quality);
+    return kinds.count() >= coarser_rungs_of_address_max;
+}
+
 void Session::renew_grant() {
     if (!subscription_)
         return;
@@ -168,6 +183,8 @@ void Session::renew_grant() {
     Demand wish = subscription_->wish;
     wish.renewed = true;
     wish.quality = before.quality;
+    wish.shared_only = shares_coarser_maps(wish);
+    subscription_->coarser_given_up = core_.host.subscriptions().coarser_given_up();
     const Demand now = core_.host.grant(wish);
     subscription_->granted.until_us = now.until_us;
     if (now.empty()) // what streams goes on, and each tile says what it misses
@@ -316,7 +333,9 @@ void Session::deliver(const Delivery& streamed) {
             announce(streamed.sea_state);
         if (!subscription_) // it has not taken so many states that it was ended
             return;
-        if (core_.host.sea_time_us() >= subscription_->granted.until_us)
+        if (core_.host.sea_time_us() >= subscription_->granted.until_us ||
+            (subscription_->granted.crowded &&
+             core_.host.subscriptions().coarser_given_up() != subscription_->coarser_given_up))
             renew_grant();
         outbox_.push_keyframe(streamed.keyframe, fields, streamed.file);
         link_.send_more();

@@ -111,6 +111,8 @@ class Session {
     void state_grant();
     /// Looks what of its wish can be had of the seas that there are now, and says so where that is something else.
     void renew_grant();
+    /// Others of its address have as many kinds of coarser maps as they may have.
+    bool shares_coarser_maps(const Demand& wish) const;
     /// Is a keyframe of one that the session is sent?
     bool takes(const EncodedKeyframe& keyframe);
     void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
@@ -170,6 +172,7 @@ class Session {
         /// Another quality that it had before, of which keyframes of these cascades are still on their way.
         Quality former_quality = 0;
         std::uint32_t former_cascades = 0;
+        std::uint64_t coarser_given_up = 0; ///< Subscriptions' at the grant
     };
     std::optional<Subscription> subscription_;
     std::optional<SpectrumDemand> spectrum_wish_;

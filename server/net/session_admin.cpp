@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/hash.h"
 #include "base/messages.h"
 #include "protocol/limits.h"
 #include "server/host/refusal.h"
@@ -59,19 +60,28 @@ Result<SeaWish> wish_of(const wire::Change& change, int in_flight) {
     return wish;
 }
 
-/// For the log.
-std::string what_of(const SeaWish& wish) {
-    if (wish.pace_permille)
-        return fmt::format("pace {}", *wish.pace_permille / static_cast<double>(sea::pace_unit));
-    return wish.set.empty() ? "a scene"
-                            : printable(wish.set.front().path + "=" + wish.set.front().value);
-}
-
 /// Whole, for the log: who runs the server reads what an administrator elsewhere was told.
 std::string in_quotes(const std::string& why) {
     std::string text = seaway::printable(why);
     std::ranges::replace(text, '"', '\'');
     return text;
+}
+
+/// For the log: all of it, long values cut. A scene that two servers name alike is the same.
+std::string what_of(const SeaWish& wish) {
+    if (wish.pace_permille)
+        return fmt::format("pace {}", *wish.pace_permille / static_cast<double>(sea::pace_unit));
+    if (wish.set.empty())
+        return fmt::format("a scene of {} bytes, fnv1a {}", wish.scene.size(),
+                           hex_hash(wish.scene));
+    std::string what;
+    for (const TomlAssignment& one : wish.set) {
+        constexpr std::size_t most = 120;
+        const std::string text = in_quotes(one.path + "=" + one.value);
+        what += what.empty() ? "" : " ";
+        what += text.size() <= most ? text : text.substr(0, most) + "[...]";
+    }
+    return what;
 }
 
 } // namespace

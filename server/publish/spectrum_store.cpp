@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocol/limits.h"
+#include "sea/basics/deviations.h"
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/spectrum_builder.h"
 #include "server/host/refusal.h"
@@ -185,7 +186,7 @@ Result<SpectrumStore::Made> SpectrumStore::make(const SpectrumSource& sea, const
     made = {.bytes = encoded ? encoded->bytes : 0,
             // No step is so fine that a code is too long: then more is left than was wished.
             .slope_error =
-                std::max(std::isfinite(slope) ? slope : 0.0, sea::spectrum_sigmas * left.slope),
+                std::max(std::isfinite(slope) ? slope : 0.0, sea::bound_sigmas * left.slope),
             .used = ++uses_};
     if (!encoded)
         return made;

@@ -18,14 +18,21 @@ std::size_t points(const sea::CascadeModes& modes) {
     return size * size;
 }
 
-/// Of all fields that may be asked for, and what foam stands on.
-std::size_t largest_keyframe_bytes(const RunningSea& sea) {
+/// Keyframes of all fields that may be asked for, and what foam stands on.
+struct KeyframeBytes {
+    std::size_t largest = 0, of_all_cascades = 0;
+};
+
+KeyframeBytes keyframe_bytes(const RunningSea& sea) {
     const auto fields =
         static_cast<std::size_t>(with_foam_inputs(sea.offered | sea.sampler_fields()).size());
-    std::size_t largest = 0;
-    for (const sea::CascadeModes& modes : sea.realization->cascades)
-        largest = std::max(largest, points(modes) * fields * sizeof(float));
-    return largest;
+    KeyframeBytes bytes;
+    for (const sea::CascadeModes& modes : sea.realization->cascades) {
+        const std::size_t one = points(modes) * fields * sizeof(float);
+        bytes.largest = std::max(bytes.largest, one);
+        bytes.of_all_cascades += one;
+    }
+    return bytes;
 }
 
 /// As encoded: of our scenes 0.2 to 0.4 bytes a grid point, of those that want much finer heights some more.
@@ -57,7 +64,7 @@ std::size_t map_bytes(const RunningSea& sea) {
 
 MemoryNeeds needs_of(const RunningSea& sea) {
     const std::size_t surface = surface_bytes(sea);
-    const std::size_t keyframe = largest_keyframe_bytes(sea);
+    const KeyframeBytes keyframes = keyframe_bytes(sea);
     MemoryNeeds needs{};
     const auto need = [&needs](MemoryUse use) -> std::size_t& {
         return needs[static_cast<std::size_t>(use)];
@@ -65,11 +72,12 @@ MemoryNeeds needs_of(const RunningSea& sea) {
     for (const MemoryUse use :
          {MemoryUse::keyframes, MemoryUse::surfaces, MemoryUse::prompt_surfaces})
         need(use) = surface;
-    need(MemoryUse::fetches) = std::max(keyframe, samples_per_slice * sizeof(float));
+    need(MemoryUse::fetches) = std::max(keyframes.largest, samples_per_slice * sizeof(float));
     // Noise takes as many bytes in tiles as it has raw.
-    for (const MemoryUse use :
-         {MemoryUse::encoding, MemoryUse::encoded, MemoryUse::streamed, MemoryUse::fetched})
-        need(use) = keyframe;
+    for (const MemoryUse use : {MemoryUse::encoded, MemoryUse::streamed, MemoryUse::fetched})
+        need(use) = keyframes.largest;
+    // One is encoded while those of all cascades come.
+    need(MemoryUse::encoding) = keyframes.largest + keyframes.of_all_cascades;
     need(MemoryUse::spectra) = finest_spectra_held * spectrum_bytes(sea);
     need(MemoryUse::maps) = maps_at_once_max * map_bytes(sea);
     return needs;

@@ -2,6 +2,7 @@
 #include "server/simulation/sea_course.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -46,8 +47,14 @@ bool gives_waves(const sea::SeaState& sea) {
 } // namespace
 
 SeaCourse::SeaCourse(RunningSeaPtr first) : first_(std::move(first)) {
-    changes_.push_back({always_us, always_us, first_->scene});
-    epochs_.push_back({always_us, ever_us, 0, false});
+    changes_.push_back(
+        std::make_shared<const Change>(Change{0, always_us, always_us, first_->scene}));
+}
+
+// The last one first: each holds the one before it, and thousands would end one within the other.
+SeaCourse::~SeaCourse() {
+    while (!changes_.empty())
+        changes_.pop_back();
 }
 
 Result<std::shared_ptr<SeaCourse>> SeaCourse::begin(const sea::Scene& scene) {
@@ -56,8 +63,8 @@ Result<std::shared_ptr<SeaCourse>> SeaCourse::begin(const sea::Scene& scene) {
     const auto name_of = [&](std::size_t row) {
         return fmt::format("{}: weather[{}]", scene.source, row + 1);
     };
-    SEAWAY_TRY_LET(std::vector<Change> rows, course->timetable(scene, always_us, name_of));
-    course->append(std::move(rows));
+    SEAWAY_TRY_LET(std::vector<Row> rows, course->timetable(scene, always_us, ever_us, name_of));
+    course->append(std::move(rows), scene.weather.size());
     return course;
 }
 
@@ -80,10 +87,15 @@ Result<void> SeaCourse::check_next(const sea::Scene& from, const sea::Scene& to)
     return {};
 }
 
-Result<std::vector<SeaCourse::Change>> SeaCourse::timetable(const sea::Scene& scene, TimeUs from_us,
-                                                            const NameOfRow& name_of) const {
-    SEAWAY_TRY_LET(std::vector<sea::Scene> scenes, sea::weather_scenes(scene));
-    std::vector<Change> rows;
+Result<std::vector<SeaCourse::Row>> SeaCourse::timetable(const sea::Scene& scene, TimeUs from_us,
+                                                         TimeUs until_us,
+                                                         const NameOfRow& name_of) const {
+    sea::Scene begins = scene;
+    std::erase_if(begins.weather, [until_us](const sea::WeatherChange& row) {
+        return sea::us_from_seconds(row.at_s) > until_us;
+    });
+    SEAWAY_TRY_LET(std::vector<sea::Scene> scenes, sea::weather_scenes(begins));
+    std::vector<Row> rows;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         const sea::WeatherChange& row = scene.weather[i];
         const TimeUs start_us = sea::us_from_seconds(row.at_s);
@@ -101,80 +113,86 @@ Result<std::vector<SeaCourse::Change>> SeaCourse::timetable(const sea::Scene& sc
     return rows;
 }
 
-Result<std::vector<SeaCourse::Change>> SeaCourse::changes_to(const sea::Scene& scene,
-                                                             TimeUs start_us, TimeUs end_us) const {
+Result<std::vector<SeaCourse::Row>> SeaCourse::rows_of(const sea::Scene& scene, TimeUs start_us,
+                                                       TimeUs end_us, TimeUs until_us) const {
     SEAWAY_CHECK(start_us < end_us, "a change takes some time");
+    if (start_us > until_us)
+        return std::vector<Row>{};
     SEAWAY_TRY(check_next(scene_at(start_us), scene));
     // Of a scene that was sent, or of one of before whose first rows are over: neither has a file whose rows it could count.
     const auto name_of = [&](std::size_t row) {
         return fmt::format("the row of its weather that begins at {} s", scene.weather[row].at_s);
     };
-    SEAWAY_TRY_LET(std::vector<Change> changes, timetable(scene, end_us, name_of));
-    changes.insert(changes.begin(), {start_us, end_us, scene});
+    SEAWAY_TRY_LET(std::vector<Row> rows, timetable(scene, end_us, until_us, name_of));
+    rows.insert(rows.begin(), {start_us, end_us, scene});
     const std::scoped_lock lock(mutex_);
-    if (changes_.size() + changes.size() > changes_max)
-        return Error{fmt::format("the log holds {} changes; allowed: at most {}", changes_.size(),
-                                 changes_max)};
-    return changes;
+    const auto stay = static_cast<std::size_t>(change_at(start_us) - changes_.begin()) + 1;
+    if (stay + rows.size() > changes_max)
+        return Error{CourseError::full,
+                     fmt::format("the log is full: it counts {} changes, this one would add {} "
+                                 "with the rows of its timetable; allowed: at most {}",
+                                 stay, rows.size(), changes_max)};
+    return rows;
 }
 
 Result<void> SeaCourse::check(const sea::Scene& scene, TimeUs start_us, TimeUs end_us) const {
-    SEAWAY_TRY(changes_to(scene, start_us, end_us));
+    SEAWAY_TRY(rows_of(scene, start_us, end_us, ever_us));
     return {};
 }
 
-Result<void> SeaCourse::add(const sea::Scene& scene, TimeUs start_us, TimeUs end_us) {
-    SEAWAY_TRY_LET(std::vector<Change> changes, changes_to(scene, start_us, end_us));
-    append(std::move(changes));
+Result<void> SeaCourse::add(const sea::Scene& scene, TimeUs start_us, TimeUs end_us,
+                            TimeUs until_us) {
+    SEAWAY_TRY_LET(std::vector<Row> rows, rows_of(scene, start_us, end_us, until_us));
+    append(std::move(rows), 1 + scene.weather.size());
     return {};
 }
 
-void SeaCourse::append(std::vector<Change> changes) {
+void SeaCourse::append(std::vector<Row> rows, std::size_t changes) {
     const std::scoped_lock lock(mutex_);
     // What may find no memory comes first: all of it is there, or nothing.
-    const std::size_t before = changes_.size(), epochs = epochs_.size() + 2 * changes.size();
-    if (epochs > epochs_.capacity())
-        epochs_.reserve(std::max(epochs, 2 * epochs_.capacity()));
-    try {
-        for (Change& change : changes)
-            changes_.push_back(std::move(change));
-    } catch (...) {
-        changes_.resize(before);
-        throw;
+    Changes added;
+    added.reserve(rows.size());
+    for (Row& row : rows) {
+        const ChangePtr from = added.empty() ? *change_at(row.start_us) : added.back();
+        const bool chained = from->chained || !run_alike(first_->scene.sea, row.scene.sea);
+        const auto number = static_cast<std::uint32_t>(last_number_ + added.size() + 1);
+        added.push_back(std::make_shared<const Change>(
+            Change{number, row.start_us, row.end_us, std::move(row.scene), from,
+                   row.start_us < from->end_us, chained}));
     }
-    for (std::size_t i = before; i < changes_.size(); ++i)
-        begin_epochs(i);
-    gives_waves_later_ =
-        gives_waves_later_ ||
-        std::any_of(changes_.begin() + static_cast<std::ptrdiff_t>(before), changes_.end(),
-                    [](const Change& change) { return gives_waves(change.scene.sea); });
-}
-
-void SeaCourse::begin_epochs(std::size_t number) {
-    Change& change = changes_[number];
-    change.chained =
-        changes_[number - 1].chained || !run_alike(first_->scene.sea, change.scene.sea);
-    for (const auto& [start_us, glides] :
-         {std::pair(change.start_us, true), std::pair(change.end_us, false)}) {
-        for (Epoch& earlier : epochs_)
-            earlier.end_us = std::min(earlier.end_us, start_us);
-        epochs_.push_back({start_us, ever_us, number, glides});
+    if (changes_.size() + added.size() > changes_.capacity())
+        changes_.reserve(std::max(changes_.size() + added.size(), 2 * changes_.capacity()));
+    while (!added.empty() && changes_.back()->start_us > added.front()->start_us)
+        changes_.pop_back();
+    for (ChangePtr& change : added) {
+        gives_waves_later_ = gives_waves_later_ || gives_waves(change->scene.sea);
+        changes_.push_back(std::move(change));
     }
+    last_number_ += static_cast<std::uint32_t>(changes);
 }
 
-std::uint32_t SeaCourse::epoch_at(TimeUs time_us, std::size_t epochs) const {
-    while (epochs > 1 && epochs_[epochs - 1].start_us > time_us)
-        --epochs;
-    return static_cast<std::uint32_t>(epochs);
+SeaCourse::Changes::const_iterator SeaCourse::change_at(TimeUs time_us) const {
+    return std::prev(std::ranges::upper_bound(
+        changes_, time_us, {}, [](const ChangePtr& change) { return change->start_us; }));
 }
 
-std::uint32_t SeaCourse::epoch_before(std::size_t change) const {
-    return epoch_at(changes_[change].start_us, 2 * change - 1);
+SeaCourse::Changes::const_iterator SeaCourse::change_of(std::uint32_t epoch) const {
+    SEAWAY_CHECK(epoch >= 1 && epoch <= 2 * last_number_ + 1, "an epoch that there is");
+    const auto found = std::ranges::lower_bound(
+        changes_, epoch / 2, {}, [](const ChangePtr& change) { return change->number; });
+    SEAWAY_CHECK(found != changes_.end(), "what never runs was taken over from");
+    return found;
 }
 
-RunningSeaPtr SeaCourse::sea_if_held(std::uint32_t epoch) const {
-    const std::scoped_lock lock(mutex_);
-    SEAWAY_CHECK(epoch >= 1 && epoch <= epochs_.size(), "an epoch that there is");
+EpochWindow SeaCourse::window_of(Changes::const_iterator change, bool glides) const {
+    const Change& held = **change;
+    const auto next = std::next(change);
+    const TimeUs until_us = next == changes_.end() ? ever_us : (*next)->start_us;
+    return glides ? EpochWindow{held.epoch(true), held.start_us, std::min(held.end_us, until_us)}
+                  : EpochWindow{held.epoch(false), held.end_us, until_us};
+}
+
+RunningSeaPtr SeaCourse::alive(std::uint32_t epoch) const {
     if (epoch == first_->epoch)
         return first_;
     const auto found = alive_.find(epoch);
@@ -182,6 +200,13 @@ RunningSeaPtr SeaCourse::sea_if_held(std::uint32_t epoch) const {
     if (const auto kept = std::ranges::find(kept_, sea); sea && kept != kept_.end())
         std::rotate(kept, kept + 1, kept_.end());
     return sea;
+}
+
+RunningSeaPtr SeaCourse::sea_if_held(std::uint32_t epoch) const {
+    const std::scoped_lock lock(mutex_);
+    const ChangePtr& change = *change_of(epoch);
+    RunningSeaPtr sea = alive(epoch);
+    return sea || change->number == epoch / 2 ? sea : alive(change->epoch(is_glide(epoch)));
 }
 
 RunningSeaPtr SeaCourse::hold(RunningSeaPtr sea) const {
@@ -221,9 +246,9 @@ RunningSeaPtr SeaCourse::made_with(std::unique_lock<std::mutex> turn, std::uint3
             course.tell_made();
         }
     } const making(*this, std::move(turn));
-    Way way = way_to(epoch); // of no epochs: made while this one waited
-    for (const std::uint32_t one : way.epochs)
-        way.from = hold(make(one, way.from));
+    Way way = way_to(epoch); // of no steps: made while this one waited
+    for (const Step& step : way.steps)
+        way.from = hold(make(step, way.from));
     return way.from;
 }
 
@@ -240,73 +265,73 @@ void SeaCourse::tell_made() const {
 
 SeaCourse::Way SeaCourse::way_to(std::uint32_t epoch) const {
     Way way;
+    Step step{};
+    {
+        const std::scoped_lock lock(mutex_);
+        const ChangePtr& change = *change_of(epoch);
+        step = {change->epoch(is_glide(epoch)), change};
+    }
     for (;;) {
-        way.from = sea_if_held(epoch);
+        way.from = sea_if_held(step.epoch);
         if (way.from)
             break;
-        way.epochs.push_back(epoch);
-        const std::scoped_lock lock(mutex_);
-        const Epoch& wanted = epochs_[epoch - 1];
-        if (!wanted.glides)
+        way.steps.push_back(step);
+        if (!is_glide(step.epoch))
             break;
-        epoch = epoch_before(wanted.change);
+        step = {step.change->epoch_before(), step.change->from};
     }
-    std::ranges::reverse(way.epochs);
+    std::ranges::reverse(way.steps);
     return way;
 }
 
-RunningSeaPtr SeaCourse::make(std::uint32_t epoch, const RunningSeaPtr& from) const {
-    Epoch wanted{};
-    const Change* change = nullptr;
-    {
-        const std::scoped_lock lock(mutex_);
-        wanted = epochs_[epoch - 1];
-        change = &changes_[wanted.change];
-    }
-    if (!wanted.glides)
-        return steady(wanted.change, epoch);
-    RunningSeaPtr to = sea_if_held(epoch + 1);
+RunningSeaPtr SeaCourse::make(const Step& step, const RunningSeaPtr& from) const {
+    const Change& change = *step.change;
+    if (!is_glide(step.epoch))
+        return steady(change);
+    RunningSeaPtr to = sea_if_held(step.epoch + 1);
     if (!to)
-        to = hold(steady(wanted.change, epoch + 1));
+        to = hold(steady(change));
     ++seas_made_;
-    return made(make_glide(*from, *to, epoch, change->start_us, change->end_us));
+    return made(make_glide(*from, *to, step.epoch, change.start_us, change.end_us));
 }
 
-RunningSeaPtr SeaCourse::steady(std::size_t change, std::uint32_t epoch) const {
-    const Change* made_of = nullptr;
-    {
-        const std::scoped_lock lock(mutex_);
-        made_of = &changes_[change];
-    }
+RunningSeaPtr SeaCourse::steady(const Change& change) const {
     ++seas_made_;
-    auto waves = std::make_shared<const sea::Realization>(made(sea::realize(made_of->scene)));
-    if (made_of->chained)
-        waves = made(sea::continued(*clocks_before(change), *waves, made_of->start_us));
-    return make_running_sea(made_of->scene, epoch, std::move(waves),
-                            certificate_of(made_of->scene));
+    auto waves = std::make_shared<const sea::Realization>(made(sea::realize(change.scene)));
+    if (change.chained)
+        waves = made(sea::continued(*clocks_before(change), *waves, change.start_us));
+    return make_running_sea(change.scene, change.epoch(false), std::move(waves),
+                            certificate_of(change.scene));
 }
 
-sea::RealizationPtr SeaCourse::clocks_before(std::size_t change) const {
+sea::RealizationPtr SeaCourse::clocks_before(const Change& change) const {
     std::vector<PhaseStep> steps; // the last one first
     sea::RealizationPtr clocks;
     const sea::Scene* own = nullptr; ///< whose phases are its own
-    {
-        const std::scoped_lock lock(mutex_);
-        while (!clocks && !own) {
-            const Change& step = changes_[change];
-            const Epoch& from = epochs_[epoch_before(change) - 1];
-            steps.push_back({change, &step.scene, step.start_us, step.end_us, from.glides});
-            change = from.change;
-            if (from.glides)
-                continue;
-            if (!changes_[change].chained)
-                own = &changes_[change].scene;
-            else
-                clocks = phases_.of(change);
-        }
+    for (const Change* step = &change; !clocks && !own; step = step->from.get()) {
+        const Change& from = *step->from;
+        steps.push_back(
+            {step->number, &step->scene, step->start_us, step->end_us, step->from_glide});
+        if (step->from_glide)
+            continue;
+        if (!from.chained)
+            own = &from.scene;
+        else
+            clocks = phases_.of(from.number);
     }
     std::ranges::reverse(steps);
     return made(phases_.before(clocks ? clocks : made(own_clocks(*own)), steps));
+}
+
+void SeaCourse::find_phases() const {
+    const std::scoped_lock turn(making_);
+    ChangePtr last;
+    {
+        const std::scoped_lock lock(mutex_);
+        last = changes_.back();
+    }
+    if (last->chained)
+        (void)clocks_before(*last);
 }
 
 sea::CertificatePtr SeaCourse::certificate_of(const sea::Scene& scene) const {
@@ -318,64 +343,69 @@ RunningSeaPtr SeaCourse::at(TimeUs time_us) const {
 }
 
 EpochWindow SeaCourse::window_at(TimeUs time_us) const {
-    std::uint32_t epoch = 0;
-    {
-        const std::scoped_lock lock(mutex_);
-        epoch = epoch_at(time_us, epochs_.size());
-    }
-    return window(epoch);
+    const std::scoped_lock lock(mutex_);
+    const auto change = change_at(time_us);
+    return window_of(change, time_us < (*change)->end_us);
 }
 
 EpochWindow SeaCourse::window(std::uint32_t epoch) const {
     const std::scoped_lock lock(mutex_);
-    SEAWAY_CHECK(epoch >= 1 && epoch <= epochs_.size(), "an epoch that there is");
-    const Epoch& held = epochs_[epoch - 1];
-    return {epoch, held.start_us, held.end_us};
+    const auto change = change_of(epoch);
+    if ((*change)->number != epoch / 2)
+        return {epoch, (*change)->start_us, (*change)->start_us};
+    return window_of(change, is_glide(epoch));
 }
 
 std::vector<EpochWindow> SeaCourse::windows(TimeUs from_us, TimeUs until_us) const {
     std::vector<EpochWindow> found;
     const std::scoped_lock lock(mutex_);
-    for (std::size_t i = 0; i < epochs_.size(); ++i) {
-        const EpochWindow window{static_cast<std::uint32_t>(i + 1), epochs_[i].start_us,
-                                 epochs_[i].end_us};
-        if (!window.empty() && window.end_us > from_us && window.start_us < until_us)
-            found.push_back(window);
-    }
-    std::ranges::sort(found, {}, &EpochWindow::start_us);
+    for (auto change = changes_.begin(); change != changes_.end(); ++change)
+        for (const bool glides : {true, false})
+            if (const EpochWindow window = window_of(change, glides);
+                !window.empty() && window.end_us > from_us && window.start_us < until_us)
+                found.push_back(window);
     return found;
 }
 
 int SeaCourse::glides_in_row(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
+    const Change* change = change_at(time_us)->get();
     int glides = 0;
-    for (std::uint32_t epoch = epoch_at(time_us, epochs_.size()); epochs_[epoch - 1].glides;
-         epoch = epoch_before(epochs_[epoch - 1].change))
+    for (bool glide = time_us < change->end_us; glide; change = change->from.get()) {
         ++glides;
+        glide = change->from_glide;
+    }
     return glides;
 }
 
 std::vector<std::uint32_t> SeaCourse::origins(std::uint32_t epoch) const {
     std::vector<std::uint32_t> found;
     const std::scoped_lock lock(mutex_);
-    for (bool glides = epochs_[epoch - 1].glides; glides;) {
-        const Epoch& glide = epochs_[epoch - 1];
-        const TimeUs start_us = glide.start_us;
-        epoch = epoch_at(start_us - 1, 2 * glide.change - 1);
-        found.push_back(epoch);
-        glides = epochs_[epoch - 1].glides && epochs_[epoch].start_us > start_us;
+    const Change* change = change_of(epoch)->get();
+    for (bool glides = is_glide(epoch); glides;) {
+        const TimeUs start_us = change->start_us;
+        do // what began with it has been nothing
+            change = change->from.get();
+        while (change->start_us == start_us);
+        found.push_back(change->epoch(start_us <= change->end_us));
+        glides = start_us < change->end_us;
     }
     return found;
 }
 
 std::uint32_t SeaCourse::epochs() const {
     const std::scoped_lock lock(mutex_);
-    return static_cast<std::uint32_t>(epochs_.size());
+    return 2 * last_number_ + 1;
+}
+
+std::size_t SeaCourse::changes() const {
+    const std::scoped_lock lock(mutex_);
+    return changes_.size();
 }
 
 sea::Scene SeaCourse::scene_at(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    return changes_[epochs_[epoch_at(time_us, epochs_.size()) - 1].change].scene;
+    return (*change_at(time_us))->scene;
 }
 
 } // namespace seaway::server

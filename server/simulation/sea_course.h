@@ -10,6 +10,9 @@
 // Each epoch is a sea of its own at any time, so that keyframes around a boundary are there on both sides of it: those
 // of one epoch before and behind join to maps without a jump, and at the boundary both seas are one.
 //
+// What another change takes over from before it begins never runs: it keeps its two epochs, whose windows are empty, and
+// nothing else is held of it. So a timetable that comes anew each day costs what of it has run, and what is to come.
+//
 // Seas are made when they are asked for and let go when others are (seas_kept) and nobody holds them: a timetable of a
 // month costs no more than a calm day. Making one takes about 0.2 s at three cascades of 256 x 256, a glide twice that, one
 // that took over from glides 0.2 s more for each of them. Thread-safe.
@@ -18,6 +21,7 @@
 #include <atomic>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -33,8 +37,13 @@ namespace seaway::server {
 /// Epochs that are kept made: the running one, those around it, and some that are asked about. 20 to 40 MB each at
 /// three cascades of 256 x 256.
 inline constexpr std::size_t seas_kept = 8;
-/// Of a log, timetables included.
+/// That have begun or are to come, rows of timetables and the beginning included.
 inline constexpr std::size_t changes_max = 10'000;
+
+/// Kinds of add()'s errors; without one: what is wrong with the scene.
+enum class CourseError {
+    full, ///< there would be more than changes_max
+};
 
 /// Glides that take over from glides that have not ended, in a row: each begins with a mixture of all before, which takes
 /// 0.2 s more to make.
@@ -55,16 +64,27 @@ class SeaCourse {
     explicit SeaCourse(RunningSeaPtr first);
     /// The sea of a scene and its timetable. An error is one line that names what cannot be had.
     static Result<std::shared_ptr<SeaCourse>> begin(const sea::Scene& scene);
+    ~SeaCourse();
+    SeaCourse(const SeaCourse&) = delete;
+    SeaCourse& operator=(const SeaCourse&) = delete;
 
     /// From start_us to end_us over to the sea of `scene`, and on with its timetable. An error says what cannot be, and
     /// then nothing has changed; nor where there is no memory (std::bad_alloc).
-    Result<void> add(const sea::Scene& scene, sea::TimeUs start_us, sea::TimeUs end_us);
+    ///
+    /// `until_us`: when a change takes over that is to be added later, as who reads a log again knows. What would begin
+    /// behind that keeps its epochs, and is not looked at.
+    Result<void> add(const sea::Scene& scene, sea::TimeUs start_us, sea::TimeUs end_us,
+                     sea::TimeUs until_us = std::numeric_limits<sea::TimeUs>::max());
     /// The error of add(), without adding. Its waves are realised for that.
     Result<void> check(const sea::Scene& scene, sea::TimeUs start_us, sea::TimeUs end_us) const;
 
+    /// Where phases hang on all changes before: finds those of the last one, from which those of later ones are found. Some 5 ms
+    /// at three cascades of 256 x 256 for each change since it did so; for who adds many, and says between them that it comes on.
+    void find_phases() const;
+
     /// The sea that runs at this time.
     RunningSeaPtr at(sea::TimeUs time_us) const;
-    /// Of an epoch that there is.
+    /// Of an epoch that there is; of one that never runs and that nobody holds, the one that took over from it.
     RunningSeaPtr sea(std::uint32_t epoch) const;
     /// Null where it would have to be made.
     RunningSeaPtr sea_if_held(std::uint32_t epoch) const;
@@ -84,6 +104,8 @@ class SeaCourse {
     /// Those that have not ended at `from_us` and begin before `until_us`, in order of time.
     std::vector<EpochWindow> windows(sea::TimeUs from_us, sea::TimeUs until_us) const;
     std::uint32_t epochs() const;
+    /// Of changes_max.
+    std::size_t changes() const;
     static bool is_glide(std::uint32_t epoch) { return epoch % 2 == 0; }
     /// It is the steady sea behind a change, whose glide is the epoch before.
     static bool ends_a_glide(std::uint32_t epoch) { return epoch > 1 && !is_glide(epoch); }
@@ -102,52 +124,69 @@ class SeaCourse {
     sea::Scene scene_at(sea::TimeUs time_us) const;
 
   private:
+    struct Change;
+    using ChangePtr = std::shared_ptr<const Change>;
+    /// Immutable; it holds what it takes over from.
     struct Change {
+        std::uint32_t number; ///< its epochs are 2 number, the glide, and 2 number + 1
         sea::TimeUs start_us;
         sea::TimeUs end_us;
         sea::Scene scene;
+        ChangePtr from = nullptr; ///< the beginning: null
+        bool from_glide = false;  ///< which has not ended when this one begins
         /// Waves run otherwise than at the beginning, or have: phases hang on all that was before.
         bool chained = false;
-    };
-    struct Epoch {
-        sea::TimeUs start_us;
-        sea::TimeUs end_us; ///< of its window
-        std::size_t change;
-        bool glides;
-    };
 
+        std::uint32_t epoch(bool glides) const { return 2 * number + (glides ? 0 : 1); }
+        std::uint32_t epoch_before() const { return from->epoch(from_glide); }
+    };
+    struct Row {
+        sea::TimeUs start_us;
+        sea::TimeUs end_us;
+        sea::Scene scene;
+    };
+    using Changes = std::vector<ChangePtr>;
+
+    /// An epoch that is to be made, and the change that it is of.
+    struct Step {
+        std::uint32_t epoch;
+        ChangePtr change;
+    };
     /// A glide begins with the sea that it leaves.
     struct Way {
-        RunningSeaPtr from; ///< null: the first on the way needs none
-        std::vector<std::uint32_t>
-            epochs; ///< to be made so that the last one can be, in this order
+        RunningSeaPtr from;      ///< null: the first on the way needs none
+        std::vector<Step> steps; ///< to be made so that the last one can be, in this order
     };
     Way way_to(std::uint32_t epoch) const;
     RunningSeaPtr made_with(std::unique_lock<std::mutex> turn, std::uint32_t epoch) const;
     void tell_made() const;
-    RunningSeaPtr make(std::uint32_t epoch, const RunningSeaPtr& from) const;
+    RunningSeaPtr make(const Step& step, const RunningSeaPtr& from) const;
     /// The sea behind a change; reads no file.
-    RunningSeaPtr steady(std::size_t change, std::uint32_t epoch) const;
+    RunningSeaPtr steady(const Change& change) const;
     /// Where the waves of a chained change are when it begins.
-    sea::RealizationPtr clocks_before(std::size_t change) const;
+    sea::RealizationPtr clocks_before(const Change& change) const;
     /// The one that was read at the start, where the scene names it.
     sea::CertificatePtr certificate_of(const sea::Scene& scene) const;
     RunningSeaPtr hold(RunningSeaPtr sea) const;
-    /// Of the first so many epochs.
-    std::uint32_t epoch_at(sea::TimeUs time_us, std::size_t epochs) const;
-    /// That a change takes over from.
-    std::uint32_t epoch_before(std::size_t change) const;
-    /// A change and its timetable, or the latter alone, checked; an error names the row.
-    Result<std::vector<Change>> changes_to(const sea::Scene& scene, sea::TimeUs start_us,
-                                           sea::TimeUs end_us) const;
+
+    // Of what mutex_ guards, by who holds it.
+    /// The last one that has begun by then.
+    Changes::const_iterator change_at(sea::TimeUs time_us) const;
+    /// Of an epoch; of one that never runs, the one that took over from it.
+    Changes::const_iterator change_of(std::uint32_t epoch) const;
+    EpochWindow window_of(Changes::const_iterator change, bool glides) const;
+    RunningSeaPtr alive(std::uint32_t epoch) const;
+
+    /// A change and its timetable, or the latter alone, checked, without what begins behind `until_us`; an error names the row.
+    Result<std::vector<Row>> rows_of(const sea::Scene& scene, sea::TimeUs start_us,
+                                     sea::TimeUs end_us, sea::TimeUs until_us) const;
     /// `name_of(row)`: what a row is called where it cannot be.
     using NameOfRow = std::function<std::string(std::size_t row)>;
-    Result<std::vector<Change>> timetable(const sea::Scene& scene, sea::TimeUs from_us,
-                                          const NameOfRow& name_of) const;
+    Result<std::vector<Row>> timetable(const sea::Scene& scene, sea::TimeUs from_us,
+                                       sea::TimeUs until_us, const NameOfRow& name_of) const;
     Result<void> check_next(const sea::Scene& from, const sea::Scene& to) const;
-    void append(std::vector<Change> changes);
-    /// Of a change that is held; takes over from those before.
-    void begin_epochs(std::size_t change);
+    /// The first of so many changes; the others have numbers alone. Takes over from those before.
+    void append(std::vector<Row> rows, std::size_t changes);
 
     const RunningSeaPtr first_;
 
@@ -156,10 +195,10 @@ class SeaCourse {
     mutable std::atomic<std::uint64_t> seas_made_ = 0;
     std::atomic<bool> gives_waves_later_ = false;
     mutable CoursePhases phases_;
-    mutable std::mutex mutex_;   ///< of what follows
-    std::deque<Change> changes_; ///< each stays where it is and as it is
-    std::vector<Epoch>
-        epochs_; ///< change n has those at 2 n - 1 and 2 n, which are epochs 2 n and 2 n + 1
+    mutable std::mutex mutex_; ///< of what follows
+    Changes
+        changes_; ///< in order of their numbers and of their starts: those that never run are gone
+    std::uint32_t last_number_ = 0;          ///< theirs included
     mutable std::deque<RunningSeaPtr> kept_; ///< asked for last: at the back
     mutable std::map<std::uint32_t, std::weak_ptr<const RunningSea>>
         alive_; ///< somebody holds them

@@ -3,51 +3,35 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/csv_table.h"
 #include "base/text_file.h"
+#include "tests/support/folder.h"
 
 namespace seaway {
 namespace {
 
 using ::testing::HasSubstr;
 
-class TextFile : public ::testing::Test {
-  protected:
-    TextFile()
-        : folder_(std::filesystem::temp_directory_path() /
-                  ("seaway-text-file-" + std::to_string(getpid()))) {
-        std::filesystem::create_directories(folder_);
-    }
-    ~TextFile() override { std::filesystem::remove_all(folder_); }
-    std::string path(const char* name) const { return (folder_ / name).string(); }
-    std::string written(const char* name, const std::string& text) const {
-        std::ofstream(path(name), std::ios::binary) << text;
-        return path(name);
-    }
+std::string path(const std::string& name) {
+    return tests::folder().file(name);
+}
 
-  private:
-    std::filesystem::path folder_;
-};
-
-TEST_F(TextFile, is_read_whole_up_to_its_limit_and_refused_one_byte_beyond) {
+TEST(TextFile, is_read_whole_up_to_its_limit_and_refused_one_byte_beyond) {
     const std::string text(200'000, 'x'); // more than one piece
-    const std::string file = written("a", text);
+    const std::string file = tests::folder().write("a", text);
     EXPECT_EQ(*read_text_file(file, text.size()), text);
     EXPECT_THAT(read_text_file(file, text.size() - 1).error().message,
                 HasSubstr("more than 199999 bytes"));
-    EXPECT_EQ(*read_text_file(written("b", ""), 0), "");
+    EXPECT_EQ(*read_text_file(tests::folder().write("b", ""), 0), "");
 }
 
 // A pipe would wait for a writer, /dev/zero would fill the memory before its size is looked at.
-TEST_F(TextFile, what_is_no_regular_file_is_an_error_at_once) {
-    const std::string pipe = path("pipe");
+TEST(TextFile, what_is_no_regular_file_is_an_error_at_once) {
+    const std::string pipe = tests::folder().fresh("pipe");
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     for (const std::string& odd : {pipe, std::string("/dev/zero")}) {
         EXPECT_THAT(read_text_file(odd, 1000).error().message, HasSubstr("a pipe, a device"));
@@ -56,10 +40,10 @@ TEST_F(TextFile, what_is_no_regular_file_is_an_error_at_once) {
     EXPECT_THAT(read_text_file(path("."), 1000).error().message, HasSubstr("folder"));
     EXPECT_THAT(read_text_file(path("none"), 1000).error().message, HasSubstr("no such file"));
     EXPECT_THAT(check_regular_file(path("none")).error().message, HasSubstr("no such file"));
-    EXPECT_TRUE(check_regular_file(written("a", "x")));
+    EXPECT_TRUE(check_regular_file(tests::folder().write("a", "x")));
 }
 
-TEST_F(TextFile, what_is_written_out_is_there_and_what_is_lost_is_an_error) {
+TEST(TextFile, what_is_written_out_is_there_and_what_is_lost_is_an_error) {
     std::FILE* full = std::fopen("/dev/full", "w");
     ASSERT_NE(full, nullptr);
     const Result<void> lost = write_out(full, "x");
@@ -123,8 +107,8 @@ TEST(CsvTable, numbers_below_the_smallest_normal_are_zero) {
     EXPECT_EQ(table->rows[0][2], 1e-300);
 }
 
-TEST_F(TextFile, a_path_through_a_file_leads_to_no_file) {
-    const std::string through = written("plain", "x") + "/below";
+TEST(TextFile, a_path_through_a_file_leads_to_no_file) {
+    const std::string through = tests::folder().write("plain", "x") + "/below";
     EXPECT_THAT(read_text_file(through, 10).error().message, HasSubstr("no such file"));
     EXPECT_THAT(check_regular_file(through).error().message, HasSubstr("no such file"));
 }

@@ -9,31 +9,26 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "base/text_file.h"
 #include "tests/support/folder.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/read_file.h"
 
 namespace seaway {
 namespace {
 
 using ::testing::HasSubstr;
 
-std::string bytes_of(const std::string& path) {
-    const Result<std::string> text = read_text_file(path, 1 << 20);
-    return text ? *text : "no file: " + text.error().message;
-}
-
 TEST(WholeFile, takes_its_name_when_it_is_whole) {
     const std::string path = tests::folder().file("whole.txt");
     ASSERT_TRUE(write_whole_file(path, "first"));
-    EXPECT_EQ(bytes_of(path), "first");
+    EXPECT_EQ(tests::read_file(path), "first");
     const auto while_written = [&](const std::string& beside) -> Result<void> {
         EXPECT_TRUE(write_whole_file(beside, "second"));
-        EXPECT_EQ(bytes_of(path), "first");
+        EXPECT_EQ(tests::read_file(path), "first");
         return {};
     };
     ASSERT_TRUE(write_whole_file(path, while_written));
-    EXPECT_EQ(bytes_of(path), "second");
+    EXPECT_EQ(tests::read_file(path), "second");
     EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
 
@@ -50,7 +45,7 @@ TEST(WholeFile, is_as_it_was_when_writing_fails) {
         throw std::runtime_error("in the middle");
     };
     EXPECT_THROW((void)write_whole_file(path, thrower), std::runtime_error);
-    EXPECT_EQ(bytes_of(path), "before");
+    EXPECT_EQ(tests::read_file(path), "before");
     EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
 
@@ -62,7 +57,7 @@ TEST(WholeFile, says_beforehand_whether_it_could_be_written_and_leaves_nothing) 
     EXPECT_FALSE(std::filesystem::exists(path + ".part"));
     ASSERT_TRUE(write_whole_file(path, "before"));
     EXPECT_TRUE(check_whole_file(path));
-    EXPECT_EQ(bytes_of(path), "before");
+    EXPECT_EQ(tests::read_file(path), "before");
     EXPECT_THAT(check_whole_file(tests::folder().file("nowhere") + "/x.txt").error().message,
                 HasSubstr("No such file"));
 }

@@ -21,30 +21,26 @@ import browser
 SERVER, CHROMIUM = sys.argv[1:3]
 PICTURES = sys.argv[3] if len(sys.argv) > 3 else None
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.append(os.path.join(ROOT, "tests/support"))
+from served import Served  # noqa: E402
+
 LIVE = "document.documentElement?.dataset.state === 'live'"
 MAP = "document.getElementById('map')"
 
 
-class Server:
+class Server(Served):
     def __init__(self, scene, *options):
-        self.process = subprocess.Popen([SERVER, scene, "--device", "native", "--listen", "127.0.0.1:0", *options],
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT)
-        self.url = self.process.stdout.readline().split()[1].replace("ws://", "http://")
+        super().__init__(SERVER, scene, "--device", "native", *options, cwd=ROOT)
+        self.page = f"http://127.0.0.1:{self.port}"
 
     def get(self, path, token=None):
         headers = {"Authorization": "Bearer " + token} if token else {}
-        with urllib.request.urlopen(urllib.request.Request(self.url + path, headers=headers), timeout=60) as answer:
+        with urllib.request.urlopen(urllib.request.Request(self.page + path, headers=headers), timeout=60) as answer:
             return answer.read()
 
     def metric(self, name, token=None):
         lines = self.get("/metrics", token).decode().splitlines()
         return sum(float(line.split()[-1]) for line in lines if line.split("{")[0].split(" ")[0] == name)
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-        self.process.wait(timeout=60)
-        self.process.stdout.close()
 
 
 class StatusPage(unittest.TestCase):
@@ -69,7 +65,7 @@ class StatusPage(unittest.TestCase):
 
     def test_it_shows_the_heights_of_the_sea_that_the_server_has(self):
         server = self.serve("scenes/north_sea_gale.toml")
-        page = self.browser.open(server.url + "/")
+        page = self.browser.open(server.page + "/")
         page.wait_for(LIVE)
         page.wait_for(f"{MAP}.dataset.pictures >= 2")  # it goes on by itself
         # One instant of the page, and the same places and time asked of the server.
@@ -106,7 +102,7 @@ class StatusPage(unittest.TestCase):
         self.keep(page, "gale_dark")
         # Loaded again, and a second time beside it.
         page.ask("Page.reload")
-        beside = self.browser.open(server.url + "/")
+        beside = self.browser.open(server.page + "/")
         for one in (page, beside):
             one.ask("Page.bringToFront")  # one that cannot be seen asks for nothing
             one.wait_for(LIVE)
@@ -125,11 +121,11 @@ class StatusPage(unittest.TestCase):
 
     def test_it_shows_who_is_there_and_what_is_computed_for_them(self):
         server = self.serve("scenes/calm.toml")
-        page = self.browser.open(server.url + "/")
+        page = self.browser.open(server.page + "/")
         page.wait_for(LIVE)
         self.assertIn("Nobody subscribes", page.value("document.getElementById('plan_says').textContent"))
         query = os.path.join(os.path.dirname(SERVER), "seaway-query")
-        client = subprocess.Popen([query, server.url.replace("http://", "ws://"), "--local", "--at", "0,0", "--watch", "5"],
+        client = subprocess.Popen([query, server.url, "--local", "--at", "0,0", "--watch", "5"],
                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(client.wait)
         self.addCleanup(client.kill)
@@ -157,7 +153,7 @@ class StatusPage(unittest.TestCase):
 
     def test_a_picture_that_is_refused_leaves_the_rest_live(self):
         server = self.serve("scenes/calm.toml")
-        page = self.browser.open(server.url + "/")
+        page = self.browser.open(server.page + "/")
         page.wait_for(LIVE)
         page.value("""(() => { const ask = window.fetch; window.fetch = (path, options) =>
             path.startsWith('/v1/map') ? Promise.resolve(new Response('others have the places', {status: 503})) : ask(path, options); })()""")
@@ -170,7 +166,7 @@ class StatusPage(unittest.TestCase):
             file.write("open sesame\n")
             file.flush()
             server = self.serve("scenes/calm.toml", "--client-token-file", file.name)
-            page = self.browser.open(server.url + "/")
+            page = self.browser.open(server.page + "/")
             page.wait_for("document.documentElement?.dataset.state === 'token'")
             self.assertTrue(page.value("document.getElementById('all').hidden"))
             self.keep(page, "token")
@@ -212,7 +208,7 @@ class StatusPage(unittest.TestCase):
             scene = os.path.join(folder, name)
             shutil.copy(os.path.join(ROOT, "scenes/calm.toml"), scene)
             server = self.serve(scene)
-            page = self.browser.open(server.url + "/")
+            page = self.browser.open(server.page + "/")
             page.wait_for(LIVE)
             self.assertIn(name, page.value("document.body.innerText"))
             self.assertEqual(page.value("document.querySelectorAll('img').length"), 0)
@@ -221,7 +217,7 @@ class StatusPage(unittest.TestCase):
 
     def test_a_calm_sea_is_shown_and_a_server_that_goes_is_told_of(self):
         server = self.serve("scenes/calm.toml")
-        page = self.browser.open(server.url + "/")
+        page = self.browser.open(server.page + "/")
         page.wait_for(LIVE)
         self.assertEqual(page.complaints(), [])
         self.assertIn("heights from", page.value("document.getElementById('caption').innerText"))
@@ -233,7 +229,7 @@ class StatusPage(unittest.TestCase):
 
     def test_a_server_that_takes_connections_and_answers_nothing_is_told_of(self):
         server = self.serve("scenes/calm.toml")
-        page = self.browser.open(server.url + "/")
+        page = self.browser.open(server.page + "/")
         page.wait_for(LIVE)
         server.process.send_signal(signal.SIGSTOP)
         self.addCleanup(server.process.send_signal, signal.SIGCONT)  # before it is stopped

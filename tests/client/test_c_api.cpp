@@ -14,8 +14,9 @@
 #include "client/seaway_engine.h"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
-#include "tests/server/net/tcp.h"
+#include "tests/server/net/clients.h"
 #include "tests/support/eventually.h"
+#include "tests/support/metrics_page.h"
 
 extern "C" seaway_code one_frame_in_c(const char* url, seaway_answer* water);
 
@@ -263,21 +264,6 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
     EXPECT_EQ(seaway_now_us(nullptr), 0);
 }
 
-/// A figure of /metrics, -1 if there is none of that name.
-double metric(int port, const std::string& name) {
-    tests::Tcp tcp;
-    EXPECT_FALSE(tcp.connect(port));
-    const std::string request =
-        "GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n";
-    const std::vector<std::uint8_t> bytes(request.begin(), request.end());
-    EXPECT_FALSE(tcp.write(bytes, std::chrono::seconds(10)));
-    std::string page;
-    while (!tcp.read(page, tests::Tcp::Clock::now() + std::chrono::seconds(10)))
-        continue;
-    const std::size_t at = page.find("\n" + name + " ");
-    return at == std::string::npos ? -1 : std::stod(page.substr(at + name.size() + 2));
-}
-
 // Who lets eight keyframes be under way never makes one of the first eight wait; where the server knew of
 // the default's two only, most would.
 // 0 stands for ten seconds: a server that takes a look or two at the deadlines is no failure. It is late for
@@ -356,7 +342,8 @@ TEST_F(CInterface, limits_of_a_stream_are_taken_up_to_their_own_and_refused_by_n
 
 TEST_F(CInterface, as_many_keyframes_are_under_way_as_credit_says) {
     const auto count = [&](const std::string& name) {
-        return metric(net->port(), "seaway_net_keyframes_" + name + "_total");
+        return tests::figure_of(tests::ask_http(net->port(), "/metrics", "GET").body,
+                                "seaway_net_keyframes_" + name + "_total");
     };
     const auto settled = [&] { return count("sent") + count("replaced") + count("dropped"); };
     for (int trial = 0; trial < 10; ++trial) {

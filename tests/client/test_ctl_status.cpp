@@ -11,7 +11,8 @@ namespace {
 const std::string sessions = R"({"sessions": 3, "listed": [{"bytes_waiting": 4096}]})";
 const std::string before = R"({"cpu_s": 12.0})";
 const std::string state =
-    R"({"cpu_s": 12.5, "journal": {"shared": true, "changes": 5, "played": 4, "peers": 2, "clock_ahead_ms": 0.25,
+    R"({"cpu_s": 12.5, "journal": {"shared": true, "changes": 5, "played": 4, "counted": 69,
+        "counted_max": 10000, "peers": 2, "clock_ahead_ms": 0.25,
         "clock_error_ms": 0.5, "unheard_s": 0.1, "stale": false, "why": ""}})";
 
 std::string without(std::string text, const std::string& key) {
@@ -25,7 +26,7 @@ TEST(CtlStatus, a_server_that_says_all_has_its_row) {
     EXPECT_TRUE(row.certain);
     for (const char* word :
          {"ws://a", "seaway 0.1.0", "ready", "      5      1     0.250     0.500",
-          "     2        2   0.25         4 "})
+          "     2        2   0.25         4    69/10000 "})
         EXPECT_NE(row.text.find(word), std::string::npos) << word << " in " << row.text;
 }
 
@@ -38,7 +39,7 @@ TEST(CtlStatus, a_server_of_another_version_has_a_row_that_says_so) {
         EXPECT_NE(row.text.find("in other words"), std::string::npos)
             << its_state << its_sessions << row.text;
     };
-    for (const char* key : {"cpu_s", "changes", "played", "peers", "clock_ahead_ms",
+    for (const char* key : {"cpu_s", "changes", "played", "counted", "peers", "clock_ahead_ms",
                             "clock_error_ms", "unheard_s", "stale", "why"})
         expect_other(without(state, key), sessions);
     for (const char* key : {"sessions", "listed", "bytes_waiting"})

@@ -6,6 +6,7 @@
 
 #include "client/link/failure.h"
 #include "client/rebuilt/gliding_sea.h"
+#include "client/rebuilt/held_glides.h"
 #include "client/rebuilt/wave_keyframes.h"
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/realize.h"
@@ -139,8 +140,8 @@ RebuiltSea told_of(const sea::Realization& waves, double depth_m, double error_m
     for (const sea::WaveBlock& block : sent.blocks)
         EXPECT_TRUE(builder.add(block));
     return RebuiltSea(std::make_shared<const sea::Realization>(builder.sea()), tests::announced(),
-                      {sea::spectrum_sigmas * sent.left.back().height_m,
-                       sea::spectrum_sigmas * sent.left.back().displacement_m});
+                      {sea::bound_sigmas * sent.left.back().height_m,
+                       sea::bound_sigmas * sent.left.back().displacement_m});
 }
 
 // Naive: who is not told of a small wave of the new sea takes it for none, and lets the old one fade at its old frequency.
@@ -196,6 +197,69 @@ TEST(GlidingSea, between_seas_of_other_tiles_there_is_none) {
     const auto glide = GlidingSea::create(state, from, to, glide_start_us, glide_end_us);
     ASSERT_FALSE(glide);
     EXPECT_EQ(failure_of(glide.error()), Failure::not_held);
+}
+
+class HeldGlidesOf : public ::testing::Test {
+  protected:
+    const protocol::SeaStateValues state = tests::announced();
+    const OwnSeaPtr from = sea_of(9), to = sea_of(12);
+    HeldGlides held;
+    std::vector<std::weak_ptr<const OwnSea>> made;
+
+    OwnSeaPtr sea_of(double wind_mps) const {
+        return std::make_shared<const RebuiltSea>(waves_of({"", wind_mps, 30, 0}), state,
+                                                  RebuiltError{});
+    }
+    /// Asked about within it, as a client does.
+    OwnSeaPtr of_epoch(std::uint32_t epoch, sea::TimeUs end_us) {
+        const GlideEnds ends{to, from};
+        if (const OwnSeaPtr glide = held.find(epoch, ends))
+            return glide;
+        const OwnSeaPtr glide = *GlidingSea::create(state, *from, *to, end_us - 1'000'000, end_us);
+        const sea::QueryPoint point{1, 2, end_us - 500'000};
+        sea::Answer answer;
+        glide->answer({&point, 1}, {&answer, 1}, {});
+        held.keep(epoch, end_us, ends, glide);
+        made.push_back(glide);
+        return glide;
+    }
+    auto living() const {
+        return std::ranges::count_if(made, [](const auto& glide) { return !glide.expired(); });
+    }
+};
+
+// Naive: each is held as long as its sea state is known, 256 of them: 19 GB of three cascades of 256.
+TEST_F(HeldGlidesOf, a_sea_that_changes_forty_times_are_four) {
+    for (std::uint32_t epoch = 0; epoch < 40; ++epoch) {
+        of_epoch(epoch, 10'000'000 * epoch);
+        EXPECT_LE(living(), 4) << epoch;
+    }
+    const OwnSeaPtr used = of_epoch(36, 0);
+    for (std::uint32_t epoch = 40; epoch < 43; ++epoch)
+        of_epoch(epoch, 0);
+    EXPECT_EQ(of_epoch(36, 0), used) << "those that were asked about last";
+    EXPECT_EQ(made.size(), 43u) << "and none was made twice";
+}
+
+TEST_F(HeldGlidesOf, a_sea_that_stays_are_none_once_they_have_ended_and_nobody_asks) {
+    of_epoch(1, 10'000'000);
+    of_epoch(2, 20'000'000);
+    EXPECT_TRUE(held.let_go_ended(15'000'000).empty()) << "the first was asked about just now";
+    EXPECT_EQ(held.let_go_ended(15'000'000), std::vector<std::uint32_t>{1});
+    EXPECT_TRUE(held.let_go_ended(15'000'000).empty()) << "the second runs";
+    EXPECT_EQ(held.let_go_ended(20'000'000), std::vector<std::uint32_t>{2});
+    EXPECT_EQ(living(), 0);
+}
+
+TEST_F(HeldGlidesOf, a_sea_are_made_anew_where_more_of_its_waves_have_come) {
+    const OwnSeaPtr glide = of_epoch(1, 10'000'000);
+    EXPECT_EQ(held.find(1, {to, from}), glide);
+    EXPECT_EQ(held.find(1, {to, sea_of(9)}), nullptr);
+    EXPECT_EQ(held.find(1, {sea_of(12), from}), nullptr);
+    EXPECT_EQ(held.find(1, {to}), nullptr);
+    EXPECT_EQ(held.find(2, {to, from}), nullptr);
+    held.forget(1);
+    EXPECT_EQ(held.find(1, {to, from}), nullptr);
 }
 
 } // namespace

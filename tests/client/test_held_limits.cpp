@@ -10,6 +10,7 @@
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "tests/client/wave_server.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::client {
 namespace {
@@ -258,9 +259,8 @@ TEST(HeldLimits, times_in_one_interval_on_both_sides_of_a_change_have_keyframes_
     ChangingSea sea;
     Served link(sea);
     // Connecting waits for the sea of now; that of later is a message of its own, just behind it.
-    for (int i = 0; i < 20'000 && link.client->sea_state(80'000)->epoch != sea.epoch + 1; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    ASSERT_EQ(link.client->sea_state(80'000)->epoch, sea.epoch + 1);
+    ASSERT_TRUE(
+        tests::eventually([&] { return link.client->sea_state(80'000)->epoch == sea.epoch + 1; }));
     const QueryPoint points[] = {{1, 2, 20'000}, {1, 2, 80'000}};
     const auto answers = link.client->fetch_and_sample(points, 60);
     expect_true_heights(sea, points, answers);

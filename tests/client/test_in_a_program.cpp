@@ -6,7 +6,6 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <string>
 #include <thread>
@@ -23,6 +22,7 @@
 #include "base/fair_mutex.h"
 #include "tests/client/engine.h"
 #include "tests/support/eventually.h"
+#include "tests/support/process_status.h"
 
 namespace seaway {
 namespace {
@@ -33,17 +33,6 @@ class InAProgram : public tests::Engine {
   protected:
     std::string url() const { return net->url(); }
 };
-
-/// Of one of /proc/self/task/*/status, in hexadecimal.
-std::uint64_t signals_blocked_by(const std::filesystem::path& task) {
-    std::ifstream status(task / "status");
-    for (std::string word; status >> word;)
-        if (word == "SigBlk:") {
-            status >> word;
-            return std::stoull(word, nullptr, 16);
-        }
-    return 0;
-}
 
 TEST_F(InAProgram, no_thread_of_the_library_takes_its_signals) {
     std::set<std::filesystem::path> before;
@@ -60,7 +49,7 @@ TEST_F(InAProgram, no_thread_of_the_library_takes_its_signals) {
             if (before.contains(task.path()))
                 continue;
             ++threads;
-            const std::uint64_t blocked = signals_blocked_by(task.path());
+            const std::uint64_t blocked = tests::signals_in(task, "SigBlk");
             const auto blocks = [&](int signal) { return (blocked >> (signal - 1) & 1) != 0; };
             for (const int signal : {SIGTERM, SIGINT, SIGALRM, SIGCHLD, SIGUSR1})
                 EXPECT_TRUE(blocks(signal)) << signal;

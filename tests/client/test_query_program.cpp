@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-query: its points, its options, its output, and the program as a whole.
-#include <array>
 #include <cmath>
 #include <csignal>
 #include <sstream>
-
-#include <sys/wait.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -15,9 +12,12 @@
 #include "tests/client/query_options_of.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/folder.h"
+#include "tests/support/program.h"
 
 namespace seaway::client {
 namespace {
+
+using tests::Output;
 
 Result<std::vector<Place>> places_in(const std::string& text) {
     std::istringstream in(text);
@@ -155,28 +155,15 @@ TEST(Output, columns_are_the_public_contract) {
               "velocity_z_mps,error_m,flags\n");
 }
 
-struct Outcome {
-    int exit_code = -1;
-    std::string out;
-};
-
-Outcome run_program(const std::string& arguments) {
-    Outcome outcome;
-    std::FILE* pipe = popen((SEAWAY_BIN_DIR "/seaway-query " + arguments).c_str(), "r");
-    std::array<char, 4096> buffer{};
-    while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe))
-        outcome.out.append(buffer.data(), got);
-    const int status = pclose(pipe);
-    if (WIFEXITED(status))
-        outcome.exit_code = WEXITSTATUS(status);
-    return outcome;
+Output run_query(const std::string& arguments) {
+    return tests::run_program("seaway-query", arguments);
 }
 
 class Program : public tests::WaveServer {
   protected:
     nlohmann::json rows(const std::string& arguments) {
-        const Outcome outcome = run_program(net->url() + " --format json " + arguments);
-        EXPECT_EQ(outcome.exit_code, 0) << arguments;
+        const Output outcome = run_query(net->url() + " --format json " + arguments);
+        EXPECT_EQ(outcome.status, 0) << arguments;
         return nlohmann::json::parse(outcome.out, nullptr, false);
     }
 };
@@ -249,8 +236,7 @@ TEST_F(Program, dives) {
             }
         }
     sea.knows_below = false;
-    EXPECT_EQ(run_program(net->url() + " --at 0,0 --z -1 2>/dev/null").exit_code, 6)
-        << "a server that is older";
+    EXPECT_EQ(run_query(net->url() + " --at 0,0 --z -1").status, 6) << "a server that is older";
 }
 
 TEST_F(Program, reads_points_with_times_of_their_own) {
@@ -284,9 +270,9 @@ TEST_F(Program, now_is_the_sea_time_of_the_server) {
 }
 
 TEST_F(Program, watches_until_it_is_stopped) {
-    const Outcome outcome = run_program(net->url() + " --at 0,0 --local --watch 20 --format csv & "
-                                                     "sleep 1; kill -TERM $!; wait $!");
-    EXPECT_EQ(outcome.exit_code, 0);
+    const Output outcome = run_query(net->url() + " --at 0,0 --local --watch 20 --format csv & "
+                                                  "sleep 1; kill -TERM $!; wait $!");
+    EXPECT_EQ(outcome.status, 0);
     std::istringstream lines(outcome.out);
     std::string line;
     std::getline(lines, line);
@@ -308,11 +294,11 @@ TEST_F(Program, watches_until_it_is_stopped) {
 // As a clock does that was set to the time given when the first answer came.
 TEST_F(Program, watched_times_that_were_given_move_on_with_the_clock) {
     const auto start = std::chrono::steady_clock::now();
-    const Outcome outcome =
-        run_program(net->url() + " --at 0,0 --time -3600 --watch 20 --format csv & "
-                                 "sleep 1; kill -TERM $!; wait $!");
+    const Output outcome =
+        run_query(net->url() + " --at 0,0 --time -3600 --watch 20 --format csv & "
+                               "sleep 1; kill -TERM $!; wait $!");
     const std::chrono::duration<double> ran = std::chrono::steady_clock::now() - start;
-    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.status, 0);
     std::istringstream lines(outcome.out);
     std::vector<double> times_s;
     for (std::string line; std::getline(lines, line);) {
@@ -342,27 +328,28 @@ TEST_F(Program, fails_with_one_line_and_the_documented_exit_code) {
         {url + " --at 0,0 --local --time -9.2e12", 2},
     };
     for (const auto& [arguments, code] : cases) {
-        const Outcome outcome = run_program(arguments + " 2>&1");
-        EXPECT_EQ(outcome.exit_code, code) << arguments;
-        EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 1) << outcome.out;
-        EXPECT_EQ(outcome.out.rfind("seaway-query: ", 0), 0u) << outcome.out;
+        const Output outcome = run_query(arguments);
+        EXPECT_EQ(outcome.status, code) << arguments;
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+        EXPECT_EQ(outcome.err.rfind("seaway-query: ", 0), 0u) << outcome.err;
     }
     sea.offered = sea::FieldSet{};
-    EXPECT_EQ(run_program(url + " --at 0,0 --local --watch 1 2>/dev/null").exit_code, 6);
+    EXPECT_EQ(run_query(url + " --at 0,0 --local --watch 1").status, 6);
     sea.offered =
         sea::FieldSet{sea::Field::height}; // of which no height between points can be made
-    EXPECT_EQ(run_program(url + " --at 0,0 --local 2>/dev/null").exit_code, 6);
+    EXPECT_EQ(run_query(url + " --at 0,0 --local").status, 6);
     sea.answer_queries = false;
-    EXPECT_EQ(run_program(url + " --at 0,0 --timeout 0.3 2>/dev/null").exit_code, 5);
+    EXPECT_EQ(run_query(url + " --at 0,0 --timeout 0.3").status, 5);
 }
 
 // Naive: a beat is waited for, and the next is written into nothing, for ever.
 TEST_F(Program, a_full_disk_behind_standard_output_ends_it) {
     for (const char* way : {" --at 0,0", " --at 0,0 --watch 5", " --at 0,0 --watch 5 --local",
                             " --bench 4 --local", " --help"}) {
-        const Outcome outcome = run_program(net->url() + way + " 2>&1 >/dev/full");
-        EXPECT_EQ(outcome.exit_code, exit_output) << way;
-        EXPECT_EQ(outcome.out, "seaway-query: cannot write to standard output: what was printed is "
+        const Output outcome = run_query(net->url() + way + " >/dev/full");
+        EXPECT_EQ(outcome.status, exit_output) << way;
+        EXPECT_EQ(outcome.err, "seaway-query: cannot write to standard output: what was printed is "
                                "lost\n")
             << way;
     }
@@ -370,22 +357,22 @@ TEST_F(Program, a_full_disk_behind_standard_output_ends_it) {
 
 // A pipe that stays open and says nothing: the points never end. Killed after 10 s, it would be 137.
 TEST_F(Program, a_signal_ends_it_while_it_reads_points) {
-    const Outcome outcome = run_program(
+    const Output outcome = run_query(
         "--version >/dev/null; mkfifo " + tests::folder().file("points") +
         "; timeout -k 10 100 " SEAWAY_BIN_DIR "/seaway-query " + net->url() + " --points - <>" +
         tests::folder().file("points") + " & sleep 1; kill -TERM $!; wait $!");
-    EXPECT_EQ(outcome.exit_code, 128 + SIGTERM);
+    EXPECT_EQ(outcome.status, 128 + SIGTERM);
 }
 
 TEST_F(Program, its_help_names_each_source) {
-    const Outcome outcome = run_program("--help");
-    EXPECT_EQ(outcome.exit_code, 0);
+    const Output outcome = run_query("--help");
+    EXPECT_EQ(outcome.status, 0);
     EXPECT_NE(outcome.out.find("--from tiles|spectrum|scene"), std::string::npos) << outcome.out;
 }
 
 // As client/seaway.h has them.
 TEST_F(Program, its_help_says_which_flags_leave_no_bound) {
-    const std::string help = run_program("--help").out;
+    const std::string help = run_query("--help").out;
     for (const char* says :
          {"1 folded (the highest sheet),", "2 not converged (error_m covers it),",
           "4 extrapolated (error_m is no bound)",
@@ -395,26 +382,25 @@ TEST_F(Program, its_help_says_which_flags_leave_no_bound) {
 
 // Naive: 1e12 s in nanoseconds is no number of them, and every beat is over already.
 TEST_F(Program, the_slowest_watch_waits_for_its_second_beat) {
-    const Outcome outcome =
-        run_program(net->url() + " --at 0,0 --watch 1e-5 --format csv & sleep 1;"
-                                 " kill -TERM $!; wait $!");
-    EXPECT_EQ(outcome.exit_code, 0);
+    const Output outcome = run_query(net->url() + " --at 0,0 --watch 1e-5 --format csv & sleep 1;"
+                                                  " kill -TERM $!; wait $!");
+    EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2) << "a head and a row";
 }
 
 TEST_F(Program, shows_what_is_no_text_as_numbers) {
-    const Outcome outcome =
-        run_program(net->url() + " --points - <<END 2>&1\n$(printf '\\033[2J\\377,1')\nEND\n");
-    EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_NE(outcome.out.find("x_m = '\\x1b[2J\\xff'"), std::string::npos) << outcome.out;
+    const Output outcome =
+        run_query(net->url() + " --points - <<END\n$(printf '\\033[2J\\377,1')\nEND\n");
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.err.find("x_m = '\\x1b[2J\\xff'"), std::string::npos) << outcome.err;
 }
 
 // One array of two points an answer: a line of it while it is watched, else a line a point.
 TEST_F(Program, json_is_one_line_an_answer_while_it_is_watched) {
     const std::string where = net->url() + " --at 1,2 3,4 --format json";
-    const Outcome once = run_program(where);
+    const Output once = run_query(where);
     EXPECT_EQ(std::count(once.out.begin(), once.out.end(), '\n'), 2) << once.out;
-    const Outcome watched = run_program(where + " --watch 1e-5 & sleep 1; kill -TERM $!; wait $!");
+    const Output watched = run_query(where + " --watch 1e-5 & sleep 1; kill -TERM $!; wait $!");
     EXPECT_EQ(std::count(watched.out.begin(), watched.out.end(), '\n'), 1) << watched.out;
     EXPECT_EQ(nlohmann::json::parse(watched.out, nullptr, false).size(), 2u);
 }

@@ -1,70 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps that a client makes of waves: answers from them are within their bounds of the exact sum, and they are made where
-// so much is asked that sums would cost more, neither sooner nor later.
-#include <random>
+// Maps that a client makes of waves: answers from them are within their bounds of the exact sum, and few are held.
 #include <thread>
 
-#include <gtest/gtest.h>
-
 #include "client/rebuilt/gliding_sea.h"
-#include "client/wave_maps.h"
-#include "sea/surface/budget/error_budget.h"
-#include "tests/client/announced_scene.h"
+#include "tests/client/wave_maps_of.h"
 #include "tests/support/allocations.h"
 
 namespace seaway::client {
 namespace {
-
-class WaveMapsOf : public ::testing::Test {
-  protected:
-    const sea::RealizationPtr waves = tests::announced_waves();
-    const sea::ErrorBudget budget = sea::plan_budget(*waves, 0.01);
-    const sea::TimeUs interval_us = std::ranges::min(budget.cascades, {}, of_interval).interval_us;
-    const SeaStatePtr state = told();
-    static constexpr std::size_t cascades = 2;
-    const sea::DirectSum truth{waves};
-    std::mt19937_64 random{5};
-
-    static sea::TimeUs of_interval(const sea::CascadeBudget& cascade) {
-        return cascade.interval_us;
-    }
-    /// The sea of announced_scene.h with what its maps cost, as a server says it; all of one interval.
-    SeaStatePtr told() const {
-        auto values = std::make_shared<SeaState>(tests::announced());
-        put(budget, *values);
-        for (protocol::CascadeInfo& cascade : values->cascades)
-            cascade.interval_us = interval_us;
-        return values;
-    }
-    static void put(const sea::ErrorBudget& costs, SeaState& values) {
-        values.interpolation_error_m = costs.interpolation_m;
-        values.interpolation_displacement_m = costs.interpolation_displacement_m;
-        values.interpolation_strain = costs.interpolation_strain;
-        values.single_precision_m = costs.single_precision_m;
-        values.single_precision_displacement_m = costs.single_precision_displacement_m;
-        values.displacement_reach_m = costs.displacement_reach_m;
-        values.rms_strain = costs.rms_strain;
-        values.height_error_m = costs.height_error_m;
-        for (const sea::CascadeBudget& cascade : costs.cascades)
-            values.losses.push_back(cascade.loss);
-    }
-    OwnSeaPtr sea_off_by(const RebuiltError& error) const {
-        return std::make_shared<const RebuiltSea>(waves, *state, error);
-    }
-    std::vector<sea::QueryPoint> points(std::size_t count, sea::TimeUs time_us) {
-        std::uniform_real_distribution<double> place(-1e5, 1e5);
-        std::vector<sea::QueryPoint> made;
-        for (std::size_t i = 0; i < count; ++i)
-            made.push_back({place(random), place(random), time_us});
-        return made;
-    }
-    sea::Answer exact(const sea::QueryPoint& point) const {
-        return sea::surface_at(point, {waves->choppiness, 1e-9, sea::FoldSearch{}},
-                               truth.at_time(point.time_us));
-    }
-    /// So many points of one time are worth all of its keyframes.
-    static constexpr std::size_t many = 1'000'000;
-};
 
 // Bounds of maps are five standard deviations; none of some thousand answers lies beyond.
 TEST_F(WaveMapsOf, a_sea_answer_within_their_bounds_of_the_exact_sum_at_any_time) {
@@ -121,33 +64,6 @@ TEST_F(WaveMapsOf, a_sea_that_is_off_say_so) {
         << "of the first cascade alone, too";
 }
 
-// Whichever way it is asked: a point now and then is never worth four keyframes, and what was spent is spent once.
-TEST_F(WaveMapsOf, a_sea_are_made_once_sums_have_taken_as_much) {
-    WaveMaps maps(state, sea_off_by({}));
-    const WavePrices prices(*state, *sea_off_by({}));
-    HeldSurfaces::Lent surface;
-    const double keyframes_us = 2 * (prices.keyframe_us(0) + prices.keyframe_us(1));
-    const WaveBatch one{.time_us = 1000};
-    for (int i = 0; i < 9; ++i) {
-        ASSERT_FALSE(maps.lend(one, surface)) << i;
-        maps.summed(one, keyframes_us / 10);
-    }
-    EXPECT_EQ(maps.made(), 0u);
-    ASSERT_FALSE(maps.lend(one, surface)) << "not quite";
-    maps.summed(one, keyframes_us / 10);
-    EXPECT_TRUE(maps.lend(one, surface));
-    EXPECT_EQ(maps.made(), 2 * cascades) << "two a cascade";
-    for (int i = 0; i < 100; ++i)
-        EXPECT_TRUE(maps.lend({.time_us = 2000 * i % interval_us}, surface)) << "of the same ones";
-    EXPECT_EQ(maps.made(), 2 * cascades);
-    // Of the next interval one of each pair is there already.
-    const WaveBatch next{.time_us = interval_us + 1};
-    EXPECT_FALSE(maps.lend(next, surface));
-    maps.summed(next, 100 * keyframes_us); // however fast this machine made the first
-    EXPECT_TRUE(maps.lend(next, surface));
-    EXPECT_EQ(maps.made(), 3 * cascades);
-}
-
 TEST_F(WaveMapsOf, a_sea_are_not_made_for_points_that_are_all_of_other_times) {
     WaveMaps maps(state, sea_off_by({}));
     HeldSurfaces::Lent surface;
@@ -156,7 +72,7 @@ TEST_F(WaveMapsOf, a_sea_are_not_made_for_points_that_are_all_of_other_times) {
     EXPECT_EQ(maps.made(), 0u);
 }
 
-TEST_F(WaveMapsOf, a_sea_hold_four_keyframes_a_cascade) {
+TEST_F(WaveMapsOf, a_sea_hold_four_keyframes_a_cascade_and_three_where_time_runs_on) {
     WaveMaps maps(state, sea_off_by({}));
     HeldSurfaces::Lent surface;
     for (const int interval :
@@ -165,8 +81,12 @@ TEST_F(WaveMapsOf, a_sea_hold_four_keyframes_a_cascade) {
     EXPECT_EQ(maps.made(), 4 * cascades);
     ASSERT_TRUE(maps.lend({20 * interval_us, many}, surface));
     EXPECT_EQ(maps.made(), 6 * cascades);
-    EXPECT_FALSE(maps.lend({1, 1}, surface)) << "the first have gone";
     EXPECT_TRUE(maps.lend({10 * interval_us, 1}, surface));
+    EXPECT_FALSE(maps.lend({1, 1}, surface)) << "the first have gone";
+    for (const int interval : {21, 22, 23})
+        ASSERT_TRUE(maps.lend({interval * interval_us + 1, many}, surface));
+    EXPECT_TRUE(maps.lend({22 * interval_us, 1}, surface));
+    EXPECT_FALSE(maps.lend({21 * interval_us, 1}, surface)) << "which the fourth would keep";
 }
 
 TEST_F(WaveMapsOf, a_sea_allocate_nothing_once_they_are_made) {
@@ -232,58 +152,6 @@ size = 64
         largest_m = std::max(largest_m, std::abs(is.height_m));
     }
     EXPECT_GT(largest_m, 0.1);
-}
-
-class WavePricesOf : public WaveMapsOf {
-  protected:
-    WavePrices prices{*state, *sea_off_by({})};
-    static constexpr TimeSpan cell{0, 100}, next{100, 200}, far{1000, 1100};
-};
-
-TEST_F(WavePricesOf, sums_that_pay_for_nothing_pay_for_the_time_that_follows_and_for_no_other) {
-    const WaveBatch one;
-    prices.summed(cell, one, 1000);
-    EXPECT_FALSE(prices.pays(far, one, 1000));
-    EXPECT_FALSE(prices.pays(next, one, 1200)) << "one more point is no 200 us";
-    EXPECT_TRUE(prices.pays(next, one, 1000)) << "time runs from one to the other";
-    prices.spend(next);
-    EXPECT_FALSE(prices.pays(next, one, 1000)) << "once";
-    EXPECT_FALSE(prices.pays(cell, one, 1000));
-}
-
-// Places that are no numbers, and a time of a glide that is asked about again, take next to nothing.
-TEST_F(WavePricesOf, sums_that_cost_nothing_do_not_make_all_sums_cheap) {
-    const WaveBatch one;
-    const double before_us = prices.sum_us(one);
-    for (int i = 0; i < 10'000; ++i)
-        prices.summed(far, one, 0);
-    EXPECT_GT(prices.sum_us(one), 0.49 * before_us);
-}
-
-TEST_F(WavePricesOf, sums_of_few_waves_pay_for_no_keyframe) {
-    auto few = std::make_shared<sea::Realization>(*waves);
-    for (sea::CascadeModes& modes : few->cascades)
-        for (std::size_t i = 0; i < modes.h0.size(); ++i)
-            modes.h0[i] *= i < 10 ? 1.0 : 0.0;
-    WavePrices of_few(*state, RebuiltSea(few, *state, {}));
-    of_few.summed(cell, {}, 1e9);
-    EXPECT_FALSE(of_few.pays(cell, {}, 1)) << "a point from maps takes longer than such a sum";
-}
-
-TEST_F(WavePricesOf, sums_and_keyframes_follow_what_they_take) {
-    const WaveBatch one{.points = 1}, many_times{.points = 10, .times = 10};
-    const double before_us = prices.sum_us(one), keyframe_us = prices.keyframe_us(1);
-    EXPECT_NEAR(prices.sum_us(many_times), 10 * before_us, 1e-9 * before_us);
-    EXPECT_LT(prices.sum_us({.points = 10}), 6.5 * before_us) << "which share what a time takes";
-    EXPECT_LT(prices.sum_us({.cascades = 1}), before_us);
-    for (int i = 0; i < 60; ++i) { // a steep sea, whose sheets are looked for
-        prices.summed(cell, one, 10 * before_us);
-        prices.made(1, 30 * keyframe_us);
-    }
-    EXPECT_NEAR(prices.sum_us(one), 10 * before_us, 0.1 * before_us);
-    EXPECT_NEAR(prices.keyframe_us(1), 30 * keyframe_us, 0.1 * keyframe_us);
-    prices.made(1, 1e9);
-    EXPECT_LT(prices.keyframe_us(1), 60 * keyframe_us) << "who lost the processor once";
 }
 
 TEST_F(WaveMapsOf, seas_are_held_of_some_while_their_waves_are_the_same) {

@@ -16,6 +16,9 @@ import unittest
 import yaml
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(SOURCE / "tests/support"))
+from certificate import make_certificate  # noqa: E402
+
 FLEET = SOURCE / "deploy/fleet"
 SERVER = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else SOURCE / "build/dev").resolve() / "bin/seaway-server"
 
@@ -35,9 +38,7 @@ def options_in(words):
 class Deploy(unittest.TestCase):
     def test_haproxy_takes_each_of_its_configurations(self):
         with tempfile.TemporaryDirectory() as folder:
-            made = run("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=sea",
-                       "-keyout", f"{folder}/key", "-out", f"{folder}/cert")
-            self.assertEqual(made.returncode, 0, made.stderr)
+            make_certificate(f"{folder}/cert", f"{folder}/key")
             (pathlib.Path(folder) / "sea.pem").write_text(
                 (pathlib.Path(folder) / "cert").read_text() + (pathlib.Path(folder) / "key").read_text())
             for name in ("haproxy.cfg", "haproxy-passthrough.cfg", "compose-haproxy.cfg"):
@@ -89,9 +90,7 @@ class Deploy(unittest.TestCase):
         good = run("/usr/sbin/nats-server", "-t", "-c", FLEET / "nats.conf")
         self.assertEqual(good.returncode, 0, good.stderr)
         with tempfile.TemporaryDirectory() as folder:
-            made = run("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=nats-a",
-                       "-keyout", f"{folder}/nats-a.key", "-out", f"{folder}/nats-a.pem")
-            self.assertEqual(made.returncode, 0, made.stderr)
+            make_certificate(f"{folder}/nats-a.pem", f"{folder}/nats-a.key", "nats-a")
             text = (FLEET / "nats.conf").read_text().replace("/etc/nats/ca.pem", f"{folder}/nats-a.pem")
             text, guarded = re.subn(r"# (authorization|tls):", r"\1:", text.replace("/etc/nats/", f"{folder}/"))
             self.assertEqual(guarded, 3, "routes and clients")
@@ -130,6 +129,9 @@ class Deploy(unittest.TestCase):
             cache = service["CacheDirectory"]
             self.assertEqual(service["Environment"], f"XDG_CACHE_HOME=%C/{cache}", "kernels that were measured are remembered")
             self.assertEqual(unit["Unit"]["StartLimitIntervalSec"], "0", "NATS may be away for as long as it takes")
+            # Sea time is UTC. Who sets the clock pulls that target in, not who wants it right: systemd.special(7).
+            self.assertIn("time-sync.target", unit["Unit"]["After"].split(), path)
+            self.assertNotIn("time-sync.target", unit["Unit"]["Wants"].split(), path)
         # What the main process ends with.
         wrong = run(SERVER, "scenes/calm.toml", "--listen", "nowhere")
         self.assertEqual(wrong.returncode, 2, wrong.stderr)

@@ -20,10 +20,10 @@ import numpy
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 SCENE = ROOT / "scenes/north_sea_gale.toml"
-sys.path += [str(ROOT / "tests/packages"), str(ROOT / "examples/python")]
+sys.path += [str(ROOT / "tests/support"), str(ROOT / "examples/python")]
 os.environ["SEAWAY_LIBRARY"] = str(BUILD / "lib/libseaway.so.0")
 
-from programs import Served  # noqa: E402
+from served import Served  # noqa: E402
 
 
 class Examples(unittest.TestCase):
@@ -31,13 +31,12 @@ class Examples(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.work = pathlib.Path(cls.folder.name)
-        cls.server = Served([BUILD / "bin/seaway-server", SCENE, "--device", "native"])
-        cls.server.__enter__()
-        cls.url = f"ws://127.0.0.1:{cls.server.port}"
+        cls.server = Served(BUILD / "bin/seaway-server", SCENE, "--device", "native")
+        cls.url = cls.server.url
 
     @classmethod
     def tearDownClass(cls):
-        cls.server.__exit__()
+        cls.server.stop()
         cls.folder.cleanup()
 
     def run_example(self, *command, code=0):
@@ -45,6 +44,11 @@ class Examples(unittest.TestCase):
         done = subprocess.run(command, cwd=self.work, env=environment, capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
+
+    def compiles(self, program):
+        done = subprocess.run(["cc", "-std=c11", "-fsyntax-only", "-x", "c", f"-I{BUILD}/include", "-"], input=program,
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def table(self, text):
         return numpy.genfromtxt(text.splitlines(), delimiter=",", names=True)
@@ -115,9 +119,7 @@ class Examples(unittest.TestCase):
                  "seaway_sampling": ctypes.sizeof(seaway.Sampling), "seaway_terms": seaway.TERMS.itemsize}
         checks = "".join(f'_Static_assert(sizeof({name}) == {size}, "{name}");\n' for name, size in sizes.items())
         checks += f'_Static_assert(SEAWAY_ABI_VERSION == {seaway.ABI_VERSION}, "version");\n'
-        done = subprocess.run(["cc", "-std=c11", "-fsyntax-only", "-x", "c", f"-I{BUILD}/include", "-"],
-                              input="#include <seaway/seaway_engine.h>\n" + checks, capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.compiles("#include <seaway/seaway_engine.h>\n" + checks)
         with seaway.Sea(self.url) as sea:
             asked = seaway.points([[0.0, 10.0, 20.0]], 5.0, sea.now_us())
             served = sea.query(asked, exact=True)
@@ -146,6 +148,30 @@ class Examples(unittest.TestCase):
                                    f"-I{BUILD}/include", "-"], input=program, capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, f"program {i}: {done.stderr}")
         self.assertTrue(shutil.which("c++"))
+
+    def test_structs_in_the_page_for_engines_are_those_of_the_header(self):
+        """Field by field: C# lays them out in their order, and two that change places have the same size."""
+        page = (ROOT / "examples/engine.md").read_text()
+        in_c = {"Point": ("seaway_point", {"x": "x_m", "y": "y_m", "timeUs": "time_us"}),
+                "Answer": ("seaway_answer", {
+                    "height": "height_m", "nx": "normal[0]", "ny": "normal[1]", "nz": "normal[2]", "vx": "velocity_mps[0]",
+                    "vy": "velocity_mps[1]", "vz": "velocity_mps[2]", "error": "error_m", "flags": "flags", "reserved": "reserved"})}
+        sizes = {"double": 8, "long": 8, "uint": 4}
+        structs = re.findall(r"\[StructLayout\(LayoutKind\.Sequential\)\] struct (\w+) \{(.*?)\}", page, re.S)
+        self.assertEqual({name for name, _ in structs}, set(in_c))
+        checks = "#include <stddef.h>\n#include <seaway/seaway.h>\n"
+        for name, fields in structs:
+            struct, members = in_c[name]
+            at = 0
+            for kind, names in re.findall(r"public (\w+) ([^;]*);", fields):
+                for field in names.split(", "):
+                    member = members.pop(field)
+                    checks += (f'_Static_assert(offsetof({struct}, {member}) == {at}, "{name}.{field}");\n'
+                               f'_Static_assert(sizeof((({struct}*)0)->{member}) == {sizes[kind]}, "{name}.{field}");\n')
+                    at += sizes[kind]  # each is as wide as what it is aligned to
+            self.assertEqual(members, {}, name)
+            checks += f'_Static_assert(sizeof({struct}) == {at}, "{name}");\n'
+        self.compiles(checks)
 
 
 if __name__ == "__main__":

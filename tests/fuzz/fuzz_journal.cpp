@@ -7,6 +7,7 @@
 
 #include "server/journal/sqlite_journal.h"
 #include "tests/fuzz/scratch_file.h"
+#include "tests/support/read_file.h"
 
 using namespace seaway;
 
@@ -20,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!journal) {
         if (journal.error().message.find(folder) == std::string::npos)
             std::abort();
-        if (tests::bytes_of_file(path) != std::string(data, data + size))
+        if (tests::read_file(path) != std::string(data, data + size))
             std::abort(); // it was not left as it is
         return 0;
     }

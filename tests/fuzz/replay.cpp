@@ -12,6 +12,7 @@
 
 #include "tests/fuzz/scratch_file.h"
 #include "tests/support/draw.h"
+#include "tests/support/read_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
@@ -75,7 +76,7 @@ int main(int argc, char** argv) {
             paths.push_back(entry.path());
         std::sort(paths.begin(), paths.end());
         for (const auto& path : paths) {
-            const std::string text = seaway::tests::bytes_of_file(path);
+            const std::string text = seaway::tests::read_file(path);
             const Bytes bytes(text.begin(), text.end());
             Draw draw(static_cast<std::uint64_t>(++files));
             run(bytes);

@@ -20,8 +20,9 @@ import time
 from fleet_processes import free_port
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/interop"))
+sys.path += [str(ROOT / "tests/interop"), str(ROOT / "tests/support")]
 import client  # noqa: E402
+from served import Served  # noqa: E402
 
 CROWD, NEIGHBOUR = "127.0.0.1", "127.0.0.2"
 GET = b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
@@ -107,12 +108,10 @@ def subscribed(port, seconds):
 
 def run(server, size, seconds, name):
     health = free_port()
-    process = subprocess.Popen(
-        [server, ROOT / "scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0",
-         "--health-listen", f"127.0.0.1:{health}"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    served = Served(server, ROOT / "scenes/calm.toml", "--device", "native", "--health-listen", f"127.0.0.1:{health}",
+                    stderr=subprocess.PIPE)
+    port = served.port
     try:
-        port = int(process.stdout.readline().rsplit(":", 1)[1])
         idle = connected(NEIGHBOUR, port)
         idle.sendall(GET)
         idle.recv(4096)
@@ -136,8 +135,7 @@ def run(server, size, seconds, name):
             stays = "was closed"
         held, fared = len(crowd.sockets), healthy.communicate()[0].strip()
     finally:
-        process.terminate()
-        log = process.communicate()[1].splitlines()
+        log = served.stop().splitlines()
     crowded = sum("event=connections_crowded" in line for line in log)
     print(f"{name}: probes {summary(probes)}; upgrades {summary(upgrades)}; health listener {summary(healths)}; "
           f"idle connection {stays}; crowd closed {crowd.closed} times, {held} open; log {len(log)} lines, "

@@ -14,10 +14,14 @@ import select
 import signal
 import socket
 import subprocess
+import sys
 import threading
 import time
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(SOURCE / "tests/support"))
+from certificate import make_certificate  # noqa: E402
+
 SCENE = SOURCE / "scenes/calm.toml"
 WORLD = "north-sea"
 TOKEN = "fleet-of-the-test"
@@ -91,8 +95,7 @@ class Fleet:
         (self.folder / "nats.credentials").chmod(0o600)
         (self.folder / "admin.token").chmod(0o600)
         self.certificate, self.key = self.folder / "sea.crt", self.folder / "sea.key"
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=sea", "-addext",
-                        "subjectAltName=IP:127.0.0.1", "-keyout", self.key, "-out", self.certificate], check=True, capture_output=True)
+        make_certificate(self.certificate, self.key)
         (self.folder / "sea.pem").write_text(self.certificate.read_text() + self.key.read_text())
 
     def start(self, name, *words):

@@ -20,14 +20,14 @@ import random
 import select
 import socket
 import struct
-import subprocess
 import sys
 import time
 import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "tests" / "interop"))
+sys.path += [str(ROOT / "tests" / "interop"), str(ROOT / "tests" / "support")]
 from flat import Schema  # noqa: E402
+from served import Served  # noqa: E402
 import websocket  # noqa: E402
 
 SCHEMA = Schema((ROOT / "protocol" / "seaway.fbs").read_text())
@@ -265,10 +265,10 @@ def memory_mb(pid, what="VmRSS"):
     return 0.0
 
 
-def settled_mb(pid):
-    """The mean of ten seconds: keyframes come and go in between."""
+def settled_mb(pid, seconds=10):
+    """The mean of some seconds: keyframes come and go in between."""
     looks = []
-    for _ in range(20):
+    for _ in range(2 * seconds):
         looks.append(memory_mb(pid))
         time.sleep(0.5)
     return sum(looks) / len(looks)
@@ -327,10 +327,8 @@ def say(asked, result, begun_s, ended_s, attack, cores, memory):
 
 def main():
     asked = options()
-    server = subprocess.Popen([asked.server, asked.scene, "--device", "native", "--listen", "127.0.0.1:0"],
-                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    try:
-        port = int(server.stdout.readline().rsplit(":", 1)[1])
+    with Served(asked.server, asked.scene, "--device", "native") as served:
+        port, server = served.port, served.process
         report, attack_report = multiprocessing.Queue(), multiprocessing.Queue()
         stop, stop_attack = multiprocessing.Event(), multiprocessing.Event()
         good = multiprocessing.Process(target=healthy, args=(port, stop, asked.fields, asked.probe, report))
@@ -354,9 +352,6 @@ def main():
         for process in attackers + [good]:
             process.join()
         say(asked, result, begun_s, ended_s, dict(total), cores, memory)
-    finally:
-        server.terminate()
-        server.wait()
 
 
 if __name__ == "__main__":

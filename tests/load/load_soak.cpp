@@ -17,7 +17,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -28,6 +27,7 @@
 #include "tests/support/draw.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/folder.h"
+#include "tests/support/process_status.h"
 #include "tests/support/server_process.h"
 
 using namespace seaway;
@@ -48,13 +48,6 @@ struct Options {
 
 constexpr std::uint32_t no_promise =
     sea::answer_folded | sea::answer_not_converged | sea::answer_extrapolated;
-
-double resident_mb(pid_t process) {
-    std::ifstream statm(fmt::format("/proc/{}/statm", process));
-    double all = 0, resident = 0;
-    statm >> all >> resident;
-    return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
-}
 
 /// A server on one port and one journal, started as often as it takes.
 class Servers {
@@ -110,7 +103,7 @@ class Voyage {
         for (std::int64_t n = 0; n < moments; ++n) {
             if (n > 0 && n % each(options_.restart_s) == 0) {
                 if (found_.restarts == 0)
-                    found_.server_mb = resident_mb(servers_.pid());
+                    found_.server_mb = 1e-6 * tests::memory_bytes(servers_.pid());
                 if (!servers_.kill_and_start())
                     return "the server did not come back";
                 ++found_.restarts;
@@ -126,7 +119,7 @@ class Voyage {
                 if (std::string wrong = is_the_same_sea(); !wrong.empty())
                     return wrong;
             if (n == moments / 8)
-                found_.client_mb = resident_mb(::getpid());
+                found_.client_mb = 1e-6 * tests::memory_bytes(::getpid());
         }
         return {};
     }
@@ -215,7 +208,8 @@ int sail(const Options& options) {
     Voyage voyage(options, servers, line, **client);
     const std::string wrong = voyage.sail();
     const Found& found = voyage.found();
-    const double client_mb = resident_mb(::getpid()), server_mb = resident_mb(servers.pid());
+    const double client_mb = 1e-6 * tests::memory_bytes(::getpid()),
+                 server_mb = 1e-6 * tests::memory_bytes(servers.pid());
     fmt::print("{} answers, {} held to the sum, {} flagged, {} beyond their bound, worst {:.2f} of "
                "it; {} cuts, {} restarts; client {:.1f} to {:.1f} MB, server {:.1f} to {:.1f} MB\n",
                found.answers, found.held_to_the_sum, found.flagged, found.beyond, found.worst_share,

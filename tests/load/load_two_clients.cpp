@@ -5,7 +5,7 @@
 // places are compared.
 //
 //     load_two_clients                                 half a minute, both lines 60 +- 20 ms there and back
-//     load_two_clients --pause 2 --measure 4           as ./dev test runs it
+//     load_two_clients --pause 2 --measure 2 --bound 0.05     as ./dev test runs it
 //
 // Frames of both are at different moments: between two of the faster one's it is interpolated, which at 7 ms is
 // good to 0.1 mm. Prints how far apart they are and what share of frames had no keyframes around them. Exit code

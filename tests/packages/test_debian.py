@@ -16,7 +16,10 @@ import tempfile
 import unittest
 
 import throwaway_root
-from programs import PORT, Served, use_it_in_your_program
+from programs import PORT, ROOT, use_it_in_your_program
+
+sys.path.append(str(ROOT / "tests/support"))
+from served import Served  # noqa: E402
 
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
 PACKAGES = ("libseaway0", "libseaway-dev", "seaway-server", "seaway-tools")
@@ -156,8 +159,8 @@ class Packages(unittest.TestCase):
         enter = ["chroot", "--userspec=seaway:seaway", self.root.folder, "seaway-server"]
         options = ["/etc/seaway/sea.toml", "--device", "native", "--data-dir", "/var/lib/seaway"]
         program, commands = use_it_in_your_program()
-        with Served([*enter, *options], env=self.root.environment()) as server:
-            (self.root.folder / "tmp/height.c").write_text(program.replace(PORT, server.port))
+        with Served(*enter, *options, env=self.root.environment()) as server:
+            (self.root.folder / "tmp/height.c").write_text(program.replace(PORT, str(server.port)))
             out = [self.inside("sh", "-c", f"cd /tmp && {command}") for command in commands]
             self.examples_compile_as_they_say(server.port)
             asked = self.inside("seaway-query", f"ws://127.0.0.1:{server.port}", "--at", "12,-40")

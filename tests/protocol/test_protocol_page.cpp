@@ -1,39 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // docs/protocol.md, from which clients in other languages are written, lists every field, message
 // and code with its number, as the tables of the code and the schema do.
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "protocol/limits.h"
 #include "protocol/messages.h"
+#include "tests/support/read_file.h"
+#include "tests/support/times_in.h"
 
 namespace seaway::protocol {
 namespace {
 
-std::string text_of(const char* path) {
-    std::ifstream file(std::filesystem::path(SEAWAY_SOURCE_DIR) / path);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 std::string page() {
-    return text_of("docs/protocol.md");
+    return seaway::tests::read_file(SEAWAY_SOURCE_DIR "/docs/protocol.md");
 }
 
 /// Lines of the page that begin so.
 int rows(const std::string& text, const std::string& begin) {
-    int count = 0;
-    for (auto at = text.find("\n" + begin); at != std::string::npos;
-         at = text.find("\n" + begin, at + 1))
-        ++count;
-    return count;
+    return seaway::tests::times_in(text, "\n" + begin);
 }
 
 TEST(ProtocolPage, ends_with_the_schema_as_it_is) {
-    EXPECT_NE(page().find("```fbs\n" + text_of("protocol/seaway.fbs") + "```\n"), std::string::npos)
+    const std::string schema = seaway::tests::read_file(SEAWAY_SOURCE_DIR "/protocol/seaway.fbs");
+    EXPECT_NE(page().find("```fbs\n" + schema + "```\n"), std::string::npos)
         << "copy protocol/seaway.fbs to the end of docs/protocol.md";
 }
 

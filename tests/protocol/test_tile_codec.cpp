@@ -11,6 +11,7 @@
 #include "protocol/checksum.h"
 #include "protocol/tile_codec.h"
 #include "tests/protocol/sample_tiles.h"
+#include "tests/support/largest_difference.h"
 
 namespace seaway::protocol {
 namespace {
@@ -28,13 +29,6 @@ std::vector<float> decoded(std::span<const std::uint8_t> bytes, TileShape shape)
     const auto fine = decode_tile(bytes, shape, static_cast<std::size_t>(shape.width), samples);
     EXPECT_TRUE(fine.has_value()) << (fine ? "" : fine.error().message);
     return samples;
-}
-
-double worst_error(std::span<const float> a, std::span<const float> b) {
-    double worst = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        worst = std::max(worst, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
-    return worst;
 }
 
 std::vector<float> random_samples(TileShape shape, double scale, std::uint64_t seed) {
@@ -69,7 +63,8 @@ TEST(TileCodec, a_tile_flatter_than_its_bound_is_constant) {
             sample += mean;
         const Bytes bytes = encoded(samples, {32, 32}, 0.05f);
         EXPECT_EQ(bytes.size(), 16u) << mean;
-        EXPECT_LE(worst_error(samples, decoded(bytes, {32, 32})), 0.05) << mean;
+        EXPECT_LE(seaway::tests::largest_difference(samples, decoded(bytes, {32, 32})), 0.05)
+            << mean;
     }
 }
 
@@ -117,7 +112,7 @@ TEST(TileCodec, f5_one_spike_among_small_values_keeps_the_bound) {
     samples[2000] = 1e4f;
     for (const float error : {1e-2f, 1e-3f, 1e-4f, 1e-6f}) {
         const std::vector<float> back = decoded(encoded(samples, {64, 64}, error), {64, 64});
-        EXPECT_LE(worst_error(samples, back), static_cast<double>(error));
+        EXPECT_LE(seaway::tests::largest_difference(samples, back), static_cast<double>(error));
     }
 }
 
@@ -137,7 +132,7 @@ TEST(TileCodec, f6_the_bound_holds_after_rounding_to_float_at_every_scale) {
             for (std::size_t i = 0; i < samples.size(); ++i)
                 samples[i] = error * (static_cast<float>(i) - 100.5f);
         const std::vector<float> back = decoded(encoded(samples, shape, error), shape);
-        ASSERT_LE(worst_error(samples, back), static_cast<double>(error))
+        ASSERT_LE(seaway::tests::largest_difference(samples, back), static_cast<double>(error))
             << "round " << round << " scale " << scale << " error " << error;
     }
 }
@@ -277,7 +272,9 @@ TEST(TileCodec, one_sample_that_differs_is_kept_wherever_it_lies) {
             std::vector<float> samples(12, 2.0f);
             samples[at] = 5.0f;
             const double allowed = static_cast<double>(error);
-            EXPECT_LE(worst_error(decoded(encoded(samples, shape, error), shape), samples), allowed)
+            EXPECT_LE(seaway::tests::largest_difference(
+                          decoded(encoded(samples, shape, error), shape), samples),
+                      allowed)
                 << at;
         }
 }
@@ -381,7 +378,7 @@ TEST(TileCodec, a10_sea_tiles_at_one_centimetre_need_3_1_bits_a_sample_at_most_2
                 const std::vector<float> samples =
                     tests::sample_map(band, 256, wind_mps, fetch_m, map);
                 const Bytes bytes = encoded(samples, {256, 256}, 0.01f);
-                ASSERT_LE(worst_error(samples, decoded(bytes, {256, 256})),
+                ASSERT_LE(seaway::tests::largest_difference(samples, decoded(bytes, {256, 256})),
                           static_cast<double>(0.01f));
                 bits += static_cast<double>(bytes.size()) * 8 / (256 * 256) / 3;
             }

@@ -21,9 +21,10 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BIN = pathlib.Path(sys.argv.pop(1)).resolve()
 BUILD = pathlib.Path(sys.argv.pop(1)).resolve() if sys.argv[1:] and os.path.isdir(sys.argv[1]) else None
-sys.path.append(str(ROOT / "tests/packages"))
+sys.path += [str(ROOT / "tests/packages"), str(ROOT / "tests/support")]
 
 from programs import PORT, use_it_in_your_program  # noqa: E402
+from served import Served  # noqa: E402
 
 FOREVER = "--watch"  # such a command goes on until it is stopped
 
@@ -43,14 +44,11 @@ class UseIt(unittest.TestCase):
         words = shlex.split(serve)
         self.assertEqual(words[:2], ["./dev", "serve"])
         self.assertIn(f"127.0.0.1:{PORT}", words)
-        self.server = subprocess.Popen([BIN / "seaway-server", *(w.replace(PORT, "0") for w in words[2:])],
-                                       cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        self.port = re.match(r"ready ws://127\.0\.0\.1:(\d+)", self.server.stdout.readline()).group(1)
+        self.server = Served(BIN / "seaway-server", *(w.replace(PORT, "0") for w in words[2:]), cwd=ROOT)
+        self.port = str(self.server.port)
 
     def tearDown(self):
-        self.server.terminate()
-        self.server.wait()
-        self.server.stdout.close()
+        self.server.stop()
         self.folder.cleanup()
 
     def start(self, command):

@@ -2,17 +2,19 @@
 // A server whose sea an administrator changes, and who he is.
 #pragma once
 
+#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "client/client.h"
 #include "tests/support/folder.h"
+#include "tests/support/program.h"
 #include "tests/support/server_process.h"
 
 namespace seaway::changes {
@@ -36,11 +38,15 @@ inline std::vector<std::string> natively(const std::string& name, const std::str
 }
 
 inline std::unique_ptr<client::Client> connect(const std::string& url) {
-    client::ConnectOptions options;
-    options.url = url;
-    Result<std::unique_ptr<client::Client>> client = client::Client::connect(options);
+    Result<std::unique_ptr<client::Client>> client = client::Client::connect({.url = url});
     EXPECT_TRUE(client) << (client ? "" : client.error().message);
     return client ? std::move(*client) : nullptr;
+}
+
+/// That the sea of a client is there.
+inline void wait_until(client::Client& client, double time_s) {
+    while (sea::seconds_from_us(client.now_us()) < time_s)
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
 
 struct Said {
@@ -58,12 +64,8 @@ inline Said ctl(const std::string& url, std::vector<std::string> words,
     std::string line;
     for (const std::string& word : all)
         line += "'" + word + "' ";
-    FILE* pipe = popen((line + "2>&1").c_str(), "r");
-    std::string text;
-    char buffer[4096];
-    for (std::size_t count; (count = fread(buffer, 1, sizeof buffer, pipe)) > 0;)
-        text.append(buffer, count);
-    return {WEXITSTATUS(pclose(pipe)), text};
+    const tests::Output ran = tests::run_command(line);
+    return {ran.status, ran.said()};
 }
 
 /// A number of the JSON that `set` prints.

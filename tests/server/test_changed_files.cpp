@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of seas whose scenes name files.
-#include <fstream>
 #include <regex>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -10,17 +8,17 @@
 #include "sea/scene/scene.h"
 #include "sea/waves/statistics/moments.h"
 #include "tests/server/change_bench.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::changes {
 namespace {
 
 /// The calm sea with a certificate beside it, as `seaway-bench tune` writes both.
 std::string certified_scene() {
-    std::ostringstream text;
-    text << std::ifstream(SEAWAY_SOURCE_DIR "/scenes/calm.toml").rdbuf();
-    const std::string named = std::regex_replace(text.str(), std::regex("\\[accuracy\\]"),
+    const std::string text = tests::read_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
+    const std::string named = std::regex_replace(text, std::regex("\\[accuracy\\]"),
                                                  "[accuracy]\ncertificate = \"calm.json\"");
-    EXPECT_NE(named, text.str());
+    EXPECT_NE(named, text);
     const sea::Scene scene = *sea::parse_scene(named, "calm", ".");
     sea::Certificate c;
     c.cascades = scene.cascades;

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <random>
 #include <regex>
-#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -18,6 +16,8 @@
 #include "server/journal/sea_clock.h"
 #include "server/journal/sqlite_journal.h"
 #include "tests/server/change_bench.h"
+#include "tests/support/eventually.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::changes {
 namespace {
@@ -129,11 +129,7 @@ TEST(Changes, who_has_the_waves_glides_by_itself_and_so_does_who_joins_on_the_wa
         for (int place = 0; place < 5; ++place)
             points.push_back({37.0 * place, -91.0 * place, sea::us_from_seconds(at_s)});
     // The state of the sea at the end comes within the ten seconds before it begins.
-    const auto sleep_until = [&](double until_s) {
-        while (sea::seconds_from_us(client->now_us()) < until_s)
-            std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    };
-    sleep_until(start_s + 5);
+    wait_until(*client, start_s + 5);
     expect_right(*client, points, 0.1);
     const auto late = connect(url);
     ASSERT_TRUE(late);
@@ -147,7 +143,7 @@ TEST(Changes, who_has_the_waves_glides_by_itself_and_so_does_who_joins_on_the_wa
         for (int place = 0; place < 300; ++place)
             dense.push_back({13.0 * place, -7.0 * place, sea::us_from_seconds(at_s)});
     expect_right(*late, dense, 0.05);
-    sleep_until(end_s + 3); // two pings later
+    wait_until(*client, end_s + 3); // two pings later
     for (const auto& one : {client.get(), late.get()}) {
         expect_right(*one, points);
         EXPECT_TRUE(one->status().holds_waves) << "those that the glide led to";
@@ -172,8 +168,7 @@ TEST(Changes, of_two_that_are_to_end_at_the_same_moment_the_later_ones_waves_sta
     };
     ASSERT_EQ(set("systems.0.from_deg=40", start_s).code, 0);
     ASSERT_EQ(set("systems.0.from_deg=160", start_s + 6).code, 0);
-    while (sea::seconds_from_us(client->now_us()) < start_s + 19) // two pings behind the end
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    wait_until(*client, start_s + 19); // two pings behind the end
     std::vector<sea::QueryPoint> points;
     for (const double after_s : {-0.001, 0.001, 2.5, 40.0, 1e5})
         for (int place = 0; place < 5; ++place)
@@ -249,13 +244,12 @@ TEST(Changes, a_scene_with_a_long_timetable_begins_after_it_was_announced) {
     const std::string url = server.wait_until_ready();
     const auto client = connect(url);
     ASSERT_TRUE(client) << server.log();
-    std::ostringstream scene;
-    scene << std::ifstream(SEAWAY_SOURCE_DIR "/scenes/calm.toml").rdbuf();
+    std::string scene = tests::read_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
     for (int i = 0; i < 60; ++i)
-        scene << fmt::format("[[weather]]\nat_s = {}\nover_s = 20\nset.systems.0.from_deg = {}\n",
+        scene += fmt::format("[[weather]]\nat_s = {}\nover_s = 20\nset.systems.0.from_deg = {}\n",
                              1000 + 100 * i, 200 + i);
     const Said said =
-        ctl(url, {"--timeout", "60", "load", tests::folder().write("long.toml", scene.str())});
+        ctl(url, {"--timeout", "60", "load", tests::folder().write("long.toml", scene)});
     ASSERT_EQ(said.code, 0) << said.words;
     EXPECT_GT(number(said.words, "start_s"), sea::seconds_from_us(client->now_us()));
 }
@@ -329,11 +323,17 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     EXPECT_TRUE(std::regex_search(
         server.log(), std::regex("event=change_asked session=[0-9]+ .*what=\"sea.depth_m=-1\"")))
         << server.log();
+    refused({"set", "sea.choppiness=0.5", "sea.depth_m=-2"}, "sea.depth_m: -2");
+    EXPECT_NE(server.log().find("what=\"sea.choppiness=0.5 sea.depth_m=-2\""), std::string::npos)
+        << "an innocent value hides none that follow: " << server.log();
     refused({"set", "sea.dept_m=20"}, "depth_m");
     refused({"set", "systems.7.from_deg=20"}, "there is no sea.system.7");
     refused({"set", "accuracy.height_error_m=0.5"}, "accuracy cannot change");
     refused({"load", SEAWAY_SOURCE_DIR "/scenes/hurricane.toml"},
             "cannot change while the sea runs");
+    EXPECT_TRUE(std::regex_search(
+        server.log(), std::regex("what=\"a scene of [0-9]+ bytes, fnv1a [0-9a-f]{16}\"")))
+        << server.log();
     EXPECT_NE(server.log().find("event=change_refused session="), std::string::npos)
         << "who runs the server sees it too: " << server.log();
     EXPECT_NE(server.log().find("sea.depth_m: -1 is not allowed"), std::string::npos)
@@ -362,8 +362,7 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     const std::string number = std::to_string(client->welcome().session);
     EXPECT_NE(ctl(url, {"sessions"}).words.find("\"session\": " + number), std::string::npos);
     EXPECT_EQ(ctl(url, {"drop", number}).code, 0);
-    for (int i = 0; i < 1000 && client->is_open(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(tests::eventually([&] { return !client->is_open(); }));
     EXPECT_NE(client->closed_reason().find("dropped"), std::string::npos)
         << client->closed_reason();
 }
@@ -387,8 +386,7 @@ TEST(Changes, before_time_0_a_sea_changes_as_at_any_other_time) {
     const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
     EXPECT_LT(end_s, 0);
     // Who was there before the change, and who comes while it runs, sample what the server says.
-    while (sea::seconds_from_us(there->now_us()) < start_s + 1)
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    wait_until(*there, start_s + 1);
     const auto came = connect(url);
     ASSERT_TRUE(came) << "locked out while it glides: " << server.log();
     const std::vector<sea::QueryPoint> points{{3, 4, sea::us_from_seconds(start_s - 2)},

@@ -9,15 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include <netinet/in.h>
-#include <sys/socket.h>
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "client/client.h"
 #include "sea/certificate/certificate.h"
 #include "sea/waves/statistics/moments.h"
+#include "tests/server/net/clients.h"
 #include "tests/support/airy_waves.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
@@ -30,9 +28,7 @@ using sea::Answer;
 using sea::QueryPoint;
 
 Result<std::unique_ptr<Client>> connect(const std::string& url) {
-    client::ConnectOptions options;
-    options.url = url;
-    return Client::connect(options);
+    return Client::connect({.url = url});
 }
 
 /// Ten points at each of a hundred times, all random: |x| up to 1e6 m, from a year before the
@@ -220,29 +216,8 @@ TEST(Start, auto_takes_the_native_device_for_a_sea_that_no_vulkan_device_can_do)
     EXPECT_EQ(wanted.wait_for_exit(std::chrono::seconds(60)), 3);
 }
 
-/// GET over a plain socket: status and body.
-std::pair<int, std::string> http_get(const std::string& url, const std::string& target) {
-    const std::size_t colon = url.rfind(':');
-    const int fd = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(url.substr(colon + 1))));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    std::string reply;
-    if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
-        const std::string request =
-            "GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-        if (write(fd, request.data(), request.size()) == static_cast<ssize_t>(request.size())) {
-            std::vector<char> buffer(1 << 16);
-            for (ssize_t got; (got = read(fd, buffer.data(), buffer.size())) > 0;)
-                reply.append(buffer.data(), static_cast<std::size_t>(got));
-        }
-    }
-    close(fd);
-    const std::size_t body = reply.find("\r\n\r\n");
-    if (body == std::string::npos)
-        return {0, reply};
-    return {std::stoi(reply.substr(9, 3)), reply.substr(body + 4)};
+tests::HttpAnswer http_get(const std::string& url, const std::string& target) {
+    return tests::ask_http(tests::port_of(url), target, "GET");
 }
 
 TEST(BulkMap, a_whole_grid_is_what_queries_answer_point_by_point) {
@@ -250,7 +225,7 @@ TEST(BulkMap, a_whole_grid_is_what_queries_answer_point_by_point) {
         {"scenes/north_sea_gale.toml", "--device", "native", "--listen", "127.0.0.1:0"});
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    const auto [status, bytes] = http_get(
+    const auto [status, bytes, fields] = http_get(
         url, "/v1/map?kind=height&x0_m=-500&y0_m=1000&width_m=700&height_m=350&columns=1400&rows="
              "700&t_s=86400.5");
     ASSERT_EQ(status, 200) << bytes.substr(0, 200);
@@ -278,8 +253,8 @@ TEST(BulkMap, a_whole_grid_is_what_queries_answer_point_by_point) {
         EXPECT_NEAR(static_cast<double>(heights[i]), (*exact)[i].height_m,
                     static_cast<double>(error_m));
 
-    EXPECT_EQ(http_get(url, "/v1/map?width_m=10&height_m=10&columns=5000&rows=1").first, 400);
-    const auto [refused, why] = http_get(url, "/v1/map?colour=blue");
+    EXPECT_EQ(http_get(url, "/v1/map?width_m=10&height_m=10&columns=5000&rows=1").status, 400);
+    const auto [refused, why, headers] = http_get(url, "/v1/map?colour=blue");
     EXPECT_EQ(refused, 400);
     EXPECT_NE(why.find("colour"), std::string::npos);
 }
@@ -367,7 +342,7 @@ TEST(Presets, query_only_answers_and_offers_no_stream) {
     ASSERT_FALSE(grant);
     EXPECT_NE(grant.error().message.find("streams no height"), std::string::npos)
         << grant.error().message;
-    EXPECT_NE(http_get(url, "/v1/state").second.find("\"offered_fields\": []"), std::string::npos);
+    EXPECT_NE(http_get(url, "/v1/state").body.find("\"offered_fields\": []"), std::string::npos);
 }
 
 TEST(Certificates, server_says_what_is_certified_and_warns_where_it_does_not_hold) {
@@ -400,7 +375,7 @@ TEST(Certificates, server_says_what_is_certified_and_warns_where_it_does_not_hol
             server.log().find("the sea is outside of what c.json certifies: wind 14 m/s, "
                               "measured 10 .. 10 m/s") != std::string::npos;
         EXPECT_EQ(warned, !holds) << server.log();
-        const std::string state = http_get(url, "/v1/state").second;
+        const std::string state = http_get(url, "/v1/state").body;
         EXPECT_NE(state.find("\"percentile\": 99"), std::string::npos) << state;
         EXPECT_NE(state.find(holds ? "\"holds\": true" : "\"holds\": false"), std::string::npos);
         EXPECT_EQ(state.find("is outside of what c.json certifies") != std::string::npos, !holds);

@@ -21,6 +21,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/nats_server.h"
+#include "tests/support/times_in.h"
 
 namespace seaway::changes {
 namespace {
@@ -59,7 +60,7 @@ TEST(Fleet, a_change_at_one_server_is_the_sea_of_all_and_of_who_comes_later) {
     ServerProcess a(arguments_of(world)), b(arguments_of(world));
     const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready();
     ASSERT_FALSE(at_a.empty() || at_b.empty()) << a.log() << b.log();
-    EXPECT_TRUE(tests::eventually([&] { return get(at_a, "/readyz").fine; }));
+    EXPECT_TRUE(tests::eventually([&] { return get(at_a, "/readyz").status == 200; }));
     const auto watcher = connect(at_b);
     ASSERT_TRUE(watcher);
     ASSERT_TRUE(watcher->subscribe({.fields = sea::surface_fields}, 8, 10));
@@ -164,14 +165,14 @@ TEST(Fleet,
         b(arguments_of(NatsServer::url(line.port(), "cut")));
     const std::string at_a = a.wait_until_ready(), at_b = b.wait_until_ready();
     ASSERT_FALSE(at_a.empty() || at_b.empty()) << a.log() << b.log();
-    ASSERT_TRUE(tests::eventually([&] { return get(at_b, "/readyz").fine; }));
+    ASSERT_TRUE(tests::eventually([&] { return get(at_b, "/readyz").status == 200; }));
     line.stall(true);
     const Said said = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;
-    EXPECT_TRUE(tests::eventually([&] { return !get(at_b, "/readyz").fine; }));
+    EXPECT_TRUE(tests::eventually([&] { return get(at_b, "/readyz").status != 200; }));
     EXPECT_NE(get(at_b, "/readyz").body.find("the journal has not been heard of for"),
               std::string::npos);
-    EXPECT_TRUE(get(at_b, "/healthz").fine) << "it is alive, and not to be restarted";
+    EXPECT_EQ(get(at_b, "/healthz").status, 200) << "it is alive, and not to be restarted";
     EXPECT_EQ(journal_of(at_b)["stale"], true);
     EXPECT_EQ(journal_of(at_b)["played"], 1);
     EXPECT_EQ(ctl(at_a, {"status", at_b}).code, 7) << "stale is not well";
@@ -187,25 +188,26 @@ TEST(Fleet,
     EXPECT_EQ(refused.code, 6) << refused.words;
     EXPECT_NE(refused.words.find("the sea cannot be changed now"), std::string::npos)
         << refused.words;
-    EXPECT_TRUE(get(at_a, "/readyz").fine) << get(at_a, "/readyz").body;
+    EXPECT_EQ(get(at_a, "/readyz").status, 200) << get(at_a, "/readyz").body;
     line.stall(false);
     line.cut();
-    EXPECT_TRUE(tests::eventually([&] { return get(at_b, "/readyz").fine; })) << b.log();
+    EXPECT_TRUE(tests::eventually([&] { return get(at_b, "/readyz").status == 200; })) << b.log();
     EXPECT_TRUE(tests::eventually([&] { return journal_of(at_b)["played"] == 2; }));
     const auto later = connect(at_b);
     ASSERT_TRUE(later);
     EXPECT_TRUE(tests::eventually([&] { return all_stale(*later, false); })) << "it knows again";
     // It looks for what to say of itself a few times a second; an answer says at once how it stands.
-    EXPECT_TRUE(
-        tests::eventually([&] { return times_in(b.log(), "event=sea_current change=") > 0; }));
-    EXPECT_EQ(times_in(b.log(), "event=sea_current change="), 1) << b.log();
-    EXPECT_EQ(times_in(b.log(), "event=sea_stale why=\"the journal has not been heard of for"), 1);
-    EXPECT_EQ(times_in(a.log(), "event=sea_stale"), 0) << a.log();
-    EXPECT_EQ(times_in(b.log(), "event=change_refused"), 1) << b.log();
+    EXPECT_TRUE(tests::eventually(
+        [&] { return tests::times_in(b.log(), "event=sea_current change=") > 0; }));
+    EXPECT_EQ(tests::times_in(b.log(), "event=sea_current change="), 1) << b.log();
+    EXPECT_EQ(
+        tests::times_in(b.log(), "event=sea_stale why=\"the journal has not been heard of for"), 1);
+    EXPECT_EQ(tests::times_in(a.log(), "event=sea_stale"), 0) << a.log();
+    EXPECT_EQ(tests::times_in(b.log(), "event=change_refused"), 1) << b.log();
     // They were started at once: either may be the first.
     const std::string both = a.log() + b.log();
-    EXPECT_EQ(times_in(both, "event=sea_begins journal=\"nats://"), 1) << both;
-    EXPECT_EQ(times_in(both, "event=sea_goes_on journal=\"nats://"), 1) << both;
+    EXPECT_EQ(tests::times_in(both, "event=sea_begins journal=\"nats://"), 1) << both;
+    EXPECT_EQ(tests::times_in(both, "event=sea_goes_on journal=\"nats://"), 1) << both;
     const double start_s = number(said.words, "start_s");
     expect_one_sea(at_a, at_b, sea::us_from_seconds(start_s - 5),
                    sea::us_from_seconds(start_s + 15));
@@ -267,7 +269,7 @@ TEST(
         EXPECT_TRUE(tests::eventually([&] { return journal_of(url)["clock_error_ms"] < 50; }));
         EXPECT_NEAR(journal_of(url)["clock_ahead_ms"].get<double>(), 0,
                     journal_of(url)["clock_error_ms"].get<double>() + 1);
-        EXPECT_TRUE(get(url, "/readyz").fine) << get(url, "/readyz").body;
+        EXPECT_EQ(get(url, "/readyz").status, 200) << get(url, "/readyz").body;
     }
     const LyingPeer a(nats.port(), "clocks", "ahead1", 0.5, epoch_us);
     const LyingPeer b(nats.port(), "clocks", "ahead2", 0.5, epoch_us);
@@ -293,7 +295,7 @@ TEST(
             << "a clock is not right in a second: " << refused.words;
     }
     EXPECT_EQ(journal_of(url)["changes"], 1) << "nothing of them is in the log";
-    EXPECT_TRUE(get(url, "/healthz").fine);
+    EXPECT_EQ(get(url, "/healthz").status, 200);
 }
 
 TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_rewinds) {

@@ -10,6 +10,7 @@
 #include "tests/server/fleet_bench.h"
 #include "tests/support/eventually.h"
 #include "tests/support/nats_cluster.h"
+#include "tests/support/times_in.h"
 
 namespace seaway::changes {
 namespace {
@@ -35,7 +36,7 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
             at[i] = servers[i]->wait_until_ready();
             return !at[i].empty();
         })) << servers[i]->log();
-    const auto ready = [&](std::size_t i) { return get(at[i], "/readyz").fine; };
+    const auto ready = [&](std::size_t i) { return get(at[i], "/readyz").status == 200; };
     std::size_t leader = NatsCluster::size;
     ASSERT_TRUE(tests::eventually([&] {
         leader = cluster.leader("parted", 0);
@@ -49,10 +50,10 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
     EXPECT_NE(get(at[leader], "/readyz").body.find("the journal has not been heard of for"),
               std::string::npos)
         << get(at[leader], "/readyz").body;
-    EXPECT_TRUE(get(at[leader], "/healthz").fine) << "it serves on";
+    EXPECT_EQ(get(at[leader], "/healthz").status, 200) << "it serves on";
     // Who comes after that is not sent away again.
     ASSERT_TRUE(tests::eventually(
-        [&] { return times_in(servers[leader]->log(), "event=handing_over") == 1; }));
+        [&] { return tests::times_in(servers[leader]->log(), "event=handing_over") == 1; }));
     const std::vector<std::string> breeze{"set", "systems.0.wind_speed_10m_mps=15", "--over",
                                           "10s"};
     const Said refused = ctl(at[leader], breeze);

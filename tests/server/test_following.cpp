@@ -51,6 +51,18 @@ TEST(Following, names_the_world_or_the_file_and_not_where_it_lies) {
         << following.json();
 }
 
+// Naive: a log of one server's own fills in silence.
+TEST(Following, how_full_the_log_is_can_be_seen_of_any) {
+    Following alone = certain();
+    alone.shared = false;
+    alone.counted = 154;
+    EXPECT_NE(alone.metrics().find("seaway_journal_changes_counted 154\n"), std::string::npos)
+        << alone.metrics();
+    EXPECT_EQ(alone.metrics().find("seaway_peers"), std::string::npos) << "it has none";
+    EXPECT_NE(alone.json().find("\"counted\":154,\"counted_max\":10000"), std::string::npos)
+        << alone.json();
+}
+
 // Of what passes by itself a change may be asked for again; of the others another server.
 TEST(Following, each_doubt_has_its_kind) {
     EXPECT_EQ(certain().kind_of_doubt(), Doubt::none);

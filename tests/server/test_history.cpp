@@ -29,9 +29,6 @@ class ReadJournal : public testing::Test {
             return those;
         });
     }
-    static sea::Scene scene(const std::string& more = {}) {
-        return sea::parse_scene(small_sea + more, "small_sea", ".").value();
-    }
     void add(const std::string& toml, bool lapsed = false) {
         changes.push_back({.epoch = static_cast<std::uint32_t>(changes.size()) + 1,
                            .scene = toml,
@@ -44,13 +41,13 @@ class ReadJournal : public testing::Test {
     }
     static std::string with(const std::string& path, const std::string& value) {
         const TomlAssignment one{path, value};
-        return sea::to_toml(sea::changed(scene(), {&one, 1}).value());
+        return sea::to_toml(sea::changed(small_scene(), {&one, 1}).value());
     }
 
-    std::vector<SeaChange> changes{{1, 0, 0, sea::to_toml(scene())}};
+    std::vector<SeaChange> changes{{1, 0, 0, sea::to_toml(small_scene())}};
     std::size_t read = 0; ///< changes that were handed over
     int asked = 0;
-    const std::shared_ptr<SeaCourse> course = SeaCourse::begin(scene()).value();
+    const std::shared_ptr<SeaCourse> course = SeaCourse::begin(small_scene()).value();
     SeaClock clock{0, [] { return std::int64_t{5'000'000'000}; }, [] { return std::int64_t{0}; }};
     World world{course, clock};
 };
@@ -80,12 +77,12 @@ TEST_F(ReadJournal, each_change_differs_from_what_runs_when_it_begins) {
     const auto begins = [this](int start_s) {
         changes.back().start_us = 1'000'000 * sea::TimeUs{start_s};
     };
-    changes[0].scene =
-        sea::to_toml(scene("[[weather]]\nat_s = 10\nover_s = 20\nset.systems.0.from_deg = 99\n"
-                           "[[weather]]\nat_s = 500\nover_s = 20\nset.sea.seed = 8\n"));
+    changes[0].scene = sea::to_toml(
+        small_scene("[[weather]]\nat_s = 10\nover_s = 20\nset.systems.0.from_deg = 99\n"
+                    "[[weather]]\nat_s = 500\nover_s = 20\nset.sea.seed = 8\n"));
     const auto turned = [](const std::string& more) {
         const TomlAssignment all[]{{"systems.0.from_deg", "99"}, {"systems.0.fetch_m", more}};
-        return sea::to_toml(sea::changed(scene(), all).value());
+        return sea::to_toml(sea::changed(small_scene(), all).value());
     };
     add(turned("50e3"));
     begins(100);
@@ -175,9 +172,9 @@ TEST_F(ReadJournal, there_is_no_way_back_to_what_has_no_sea) {
 // At 5000 s: what its rows have led to by then, and those to come at their own times.
 TEST_F(ReadJournal, the_way_back_to_a_scene_with_a_timetable_is_to_where_that_is_now) {
     add(sea::to_toml(
-        scene("[[weather]]\nat_s = 1000\nover_s = 20\n"
-              "set.systems.0.wind_speed_10m_mps = 14.0\n"
-              "[[weather]]\nat_s = 9000\nover_s = 20\nset.systems.0.from_deg = 123\n")));
+        small_scene("[[weather]]\nat_s = 1000\nover_s = 20\n"
+                    "set.systems.0.wind_speed_10m_mps = 14.0\n"
+                    "[[weather]]\nat_s = 9000\nover_s = 20\nset.systems.0.from_deg = 123\n")));
     const std::string now = world.scene_of_change(2).value();
     const Result<sea::Scene> read = sea::parse_scene(now, "now", ".");
     ASSERT_TRUE(read) << read.error().message;

@@ -16,9 +16,12 @@
 #include <unistd.h>
 
 #include "client/client.h"
+#include "server/journal/sqlite_journal.h"
 #include "tests/server/net/clients.h"
+#include "tests/support/eventually.h"
 #include "tests/support/folder.h"
 #include "tests/support/metrics_page.h"
+#include "tests/support/process_status.h"
 #include "tests/support/server_process.h"
 
 namespace seaway {
@@ -191,7 +194,7 @@ TEST(JsonLogs, every_line_of_a_server_is_an_object) {
 /// Where a service manager listens, and what it was told.
 class Manager {
   public:
-    Manager() : path_(tests::folder().file("notify")), socket_(socket(AF_UNIX, SOCK_DGRAM, 0)) {
+    Manager() : path_(tests::folder().fresh("notify")), socket_(socket(AF_UNIX, SOCK_DGRAM, 0)) {
         sockaddr_un address{.sun_family = AF_UNIX};
         path_.copy(address.sun_path, sizeof address.sun_path - 1);
         EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
@@ -253,6 +256,28 @@ TEST(ServiceManager, hears_that_it_serves_that_it_comes_on_and_that_it_stops) {
     EXPECT_EQ(exit_code_of(server), 0);
 }
 
+// Naive: a log that is longer than TimeoutStartSec= is killed while it is played, again and again.
+TEST(ServiceManager, hears_that_a_start_comes_on_while_it_plays_its_log) {
+    const std::string folder = tests::folder().fresh("played");
+    const std::vector<std::string> words{"scenes/calm.toml", "--device",   "native", "--listen",
+                                         "127.0.0.1:0",      "--data-dir", folder};
+    {
+        tests::ServerProcess server(words);
+        ASSERT_FALSE(server.wait_until_ready().empty()) << server.log();
+        server.send(SIGTERM);
+        EXPECT_EQ(exit_code_of(server), 0);
+    }
+    {
+        auto journal = server::SqliteJournal::open(folder, {}).value();
+        const std::string scene = journal->since(0).value().front().scene;
+        ASSERT_TRUE(journal->append({2, 10'000'000, 20'000'000, scene}));
+    }
+    Manager manager;
+    tests::ServerProcess server(words);
+    EXPECT_TRUE(manager.hears("EXTEND_TIMEOUT_USEC=60000000")) << server.log();
+    EXPECT_TRUE(manager.hears("READY=1")) << "and not before that: " << server.log();
+}
+
 TEST(ProcessMetrics, say_what_the_process_takes) {
     tests::ServerProcess server(
         {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0"});
@@ -264,16 +289,11 @@ TEST(ProcessMetrics, say_what_the_process_takes) {
     };
     auto before = metrics();
     // As the system counts them, a moment later.
-    std::ifstream status("/proc/" + std::to_string(server.pid()) + "/status");
-    double resident_bytes = 0;
-    for (std::string line; std::getline(status, line);)
-        if (line.starts_with("VmRSS:"))
-            resident_bytes = 1024 * std::stod(line.substr(6));
+    const double resident_bytes = tests::memory_bytes(server.pid());
     EXPECT_NEAR(before.at("process_resident_memory_bytes") / resident_bytes, 1, 0.1);
     EXPECT_GT(before.at("process_cpu_seconds_total"), 0);
     tests::RawPeer one(tests::port_of(url)), two(tests::port_of(url));
-    for (int i = 0; i < 1000 && metrics().at("seaway_net_connections") < 3; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(tests::eventually([&] { return metrics().at("seaway_net_connections") >= 3; }));
     const auto after = metrics();
     EXPECT_EQ(after.at("process_open_fds"), before.at("process_open_fds") + 2);
     EXPECT_GE(after.at("process_cpu_seconds_total"), before.at("process_cpu_seconds_total"));

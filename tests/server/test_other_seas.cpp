@@ -16,6 +16,7 @@
 #include "tests/server/change_bench.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
+#include "tests/support/program.h"
 
 namespace seaway::changes {
 namespace {
@@ -54,14 +55,9 @@ set.sea.depth_m = 8.0
 
 /// What seaway-query says, which must end well.
 nlohmann::json answers_of(const std::string& url, const std::string& how) {
-    std::FILE* pipe =
-        popen((SEAWAY_BIN_DIR "/seaway-query " + url + " --format json " + how).c_str(), "r");
-    std::string text;
-    char buffer[4096];
-    for (std::size_t got; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;)
-        text.append(buffer, got);
-    EXPECT_EQ(pclose(pipe), 0) << how;
-    return nlohmann::json::parse(text, nullptr, false);
+    const tests::Output ran = tests::run_program("seaway-query", url + " --format json " + how);
+    EXPECT_EQ(ran.status, 0) << how << ran.err;
+    return nlohmann::json::parse(ran.out, nullptr, false);
 }
 
 class OtherSeas : public testing::Test {
@@ -145,7 +141,7 @@ TEST_F(OtherSeas, rows_in_a_change_are_answered_from_tiles_and_many_times_from_w
 
 // Naive: whoever watches a time that was given asks the server about it at every beat, and has nothing to say once that is gone.
 TEST_F(OtherSeas, who_watches_a_given_time_from_waves_goes_on_without_its_server) {
-    std::FILE* pipe = popen(("timeout 30 " SEAWAY_BIN_DIR "/seaway-query " + url +
+    std::FILE* pipe = popen(("timeout 120 " SEAWAY_BIN_DIR "/seaway-query " + url +
                              " --at 3,4 --time 500 --local --from scene --watch 10 --format json "
                              "| awk '{print; fflush()} /\"flags\": ?128/ {exit}'")
                                 .c_str(),
@@ -229,7 +225,7 @@ TEST(MissedSeas, are_known_again_once_the_server_has_been_asked) {
     tests::ServerProcess server(arguments(tests::folder().file("missed")));
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    const int port = std::stoi(url.substr(url.rfind(':') + 1));
+    const int port = tests::port_of(url);
     tests::FaultProxy line(port);
     const auto client = connect("ws://127.0.0.1:" + std::to_string(line.port()));
     ASSERT_TRUE(client);

@@ -2,14 +2,17 @@
 // A real server and clients that follow its stream by differences, from its beginning and from the middle on.
 #include <cstring>
 #include <map>
+#include <memory>
 #include <mutex>
-#include <thread>
 #include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "client/link/connection.h"
 #include "tests/server/net/clients.h"
+#include "tests/support/eventually.h"
+#include "tests/support/metrics_page.h"
 #include "tests/support/server_process.h"
 
 namespace seaway {
@@ -18,7 +21,8 @@ namespace {
 /// A connection that keeps what it is streamed.
 class Follower {
   public:
-    explicit Follower(const std::string& url) {
+    explicit Follower(const std::string& url,
+                      const protocol::TileWish& wish = {.fields = sea::surface_fields}) {
         client::ConnectionEvents events;
         events.on_keyframe = [this](const client::HeldKeyframePtr& held) {
             const std::scoped_lock lock(mutex_);
@@ -28,7 +32,7 @@ class Follower {
         auto opened = client::Connection::open({.url = url}, std::move(events));
         EXPECT_TRUE(opened);
         connection_ = std::move(*opened);
-        connection_->subscribe({.fields = sea::surface_fields}, 2, 10, [](const auto&) {});
+        connection_->subscribe(wish, 2, 10, [](const auto&) {});
     }
     using Held = std::map<std::tuple<int, sea::TimeUs>, client::HeldKeyframePtr>;
     Held held() {
@@ -37,9 +41,7 @@ class Follower {
     }
     void wait_for(std::size_t more) {
         const std::size_t enough = held().size() + more;
-        for (int i = 0; i < 600 && held().size() < enough; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(100));
-        EXPECT_GE(held().size(), enough);
+        EXPECT_TRUE(tests::eventually([&] { return held().size() >= enough; }));
     }
     std::uint64_t unpredicted() const { return connection_->keyframes_unpredicted(); }
 
@@ -50,9 +52,7 @@ class Follower {
 };
 
 double metric(int port, const std::string& name) {
-    const std::string page = tests::ask_http(port, "/metrics", "GET").body;
-    const std::size_t at = page.find("\n" + name);
-    return at == std::string::npos ? -1 : std::stod(page.substr(page.find(' ', at + 1)));
+    return tests::figure_of(tests::ask_http(port, "/metrics", "GET").body, name);
 }
 
 TEST(PredictedStream, is_whole_once_for_who_begins_and_for_who_joins_and_both_have_the_same_bits) {
@@ -88,6 +88,26 @@ TEST(PredictedStream, is_whole_once_for_who_begins_and_for_who_joins_and_both_ha
                                         2 * metric(port, "seaway_net_keyframes_dropped_total") +
                                         2 * metric(port, "seaway_keyframes_skipped_total"))
         << tests::ask_http(port, "/metrics", "GET").body;
+}
+
+// Naive: a keyframe takes its room anew for each rung, in order, and there is some for five. Who has the rung that is named last, as
+// all who are predicted have, is sent nothing as soon as others want all fields, each at a bound of their own.
+TEST(PredictedStream, misses_nothing_where_others_want_all_fields_at_bounds_of_their_own) {
+    tests::ServerProcess server(
+        {"scenes/north_sea_gale.toml", "--device", "native", "--listen", "127.0.0.1:0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    std::vector<std::unique_ptr<Follower>> others;
+    for (const bool predicted : {false, true})
+        for (const float error_m : {0.01f, 0.02f, 0.04f, 0.08f})
+            others.push_back(std::make_unique<Follower>(
+                url, protocol::TileWish{.fields = sea::FieldSet::from_bits(0x1fff),
+                                        .error_m = error_m,
+                                        .compact = predicted,
+                                        .predicted = predicted}));
+    Follower(url).wait_for(40);
+    const std::string page = tests::ask_http(tests::port_of(url), "/metrics", "GET").body;
+    EXPECT_NE(page.find("\nseaway_net_keyframes_dropped_total 0\n"), std::string::npos) << page;
 }
 
 // From where the device made them to the encoder and to answers; a GPU whose memory no processor reads copies each once.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <regex>
 #include <set>
@@ -17,8 +16,11 @@
 
 #include "client/client.h"
 #include "server/journal/sea_clock.h"
+#include "tests/support/eventually.h"
 #include "tests/support/folder.h"
+#include "tests/support/read_file.h"
 #include "tests/support/server_process.h"
+#include "tests/support/times_in.h"
 
 namespace seaway {
 namespace {
@@ -33,9 +35,7 @@ std::vector<std::string> arguments(const std::string& data_dir,
 std::unique_ptr<Client> connect(tests::ServerProcess& server) {
     const std::string url = server.wait_until_ready();
     EXPECT_FALSE(url.empty()) << server.log();
-    client::ConnectOptions options;
-    options.url = url;
-    Result<std::unique_ptr<Client>> client = Client::connect(options);
+    Result<std::unique_ptr<Client>> client = Client::connect({.url = url});
     EXPECT_TRUE(client) << (client ? "" : client.error().message);
     return client ? std::move(*client) : nullptr;
 }
@@ -113,43 +113,35 @@ TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
     const std::string url = server->wait_until_ready();
     ASSERT_FALSE(url.empty()) << server->log();
     const pid_t watcher = watch(url, rows, words, "2");
-    const auto text = [](const std::string& path) {
-        std::ifstream file(path);
-        return std::string(std::istreambuf_iterator<char>(file), {});
-    };
     const auto more_rows_come = [&] {
-        const auto count = [&] {
-            const std::string all = text(rows);
-            return std::count(all.begin(), all.end(), '\n');
-        };
+        const auto count = [&] { return tests::times_in(tests::read_file(rows), "\n"); };
         const auto before = count();
-        for (int i = 0; i < 6000 && count() < before + 5; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        return count() >= before + 5;
+        return tests::eventually([&] { return count() >= before + 5; });
     };
     EXPECT_TRUE(more_rows_come());
     // It hangs for a while: the watch gives its connection up, and has another one afterwards.
     server->send(SIGSTOP);
-    for (int i = 0; i < 6000 && text(words).find("in time") == std::string::npos; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_NE(text(words).find("did not answer in time; trying again"), std::string::npos)
-        << text(words);
+    EXPECT_TRUE(tests::eventually([&] {
+        return tests::read_file(words).find("did not answer in time; trying again") !=
+               std::string::npos;
+    })) << tests::read_file(words);
     server->send(SIGCONT);
-    EXPECT_TRUE(more_rows_come()) << text(words);
+    EXPECT_TRUE(more_rows_come()) << tests::read_file(words);
     server->send(SIGKILL);
     EXPECT_TRUE(server->wait_for_exit(std::chrono::seconds(10)));
     std::vector<std::string> again = arguments(folder);
     again[2] = url.substr(url.rfind('/') + 1);
     server = std::make_unique<tests::ServerProcess>(again);
     ASSERT_FALSE(server->wait_until_ready().empty()) << server->log();
-    EXPECT_TRUE(more_rows_come()) << text(words);
+    EXPECT_TRUE(more_rows_come()) << tests::read_file(words);
     kill(watcher, SIGTERM);
     int status = 0;
     ASSERT_EQ(waitpid(watcher, &status, 0), watcher);
     EXPECT_EQ(WEXITSTATUS(status), 0);
-    EXPECT_NE(text(words).find("trying again"), std::string::npos) << text(words);
+    EXPECT_NE(tests::read_file(words).find("trying again"), std::string::npos)
+        << tests::read_file(words);
     // One head, and times that only grow: the same clock before and after.
-    std::istringstream lines(text(rows));
+    std::istringstream lines(tests::read_file(rows));
     std::string line;
     std::getline(lines, line);
     double last_s = 0;
@@ -197,12 +189,8 @@ TEST(Restart, watchers_stay_away_for_as_long_as_they_are_told_and_come_back_one_
     for (int i = 0; i < count; ++i)
         watchers.processes.push_back(watch(url, file("rows", i), file("words", i), "60"));
     const auto all_open = [&] {
-        for (int i = 0; i < 6000; ++i) {
-            if (times_of(server->log(), "session_open").size() == count)
-                return true;
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        }
-        return false;
+        return tests::eventually(
+            [&] { return times_of(server->log(), "session_open").size() == count; });
     };
     ASSERT_TRUE(all_open()) << server->log();
     server->send(SIGTERM);
@@ -219,8 +207,7 @@ TEST(Restart, watchers_stay_away_for_as_long_as_they_are_told_and_come_back_one_
     }
     std::set<std::string> waits;
     for (int i = 0; i < count; ++i) {
-        std::ifstream said(file("words", i));
-        const std::string text{std::istreambuf_iterator<char>(said), {}};
+        const std::string text = tests::read_file(file("words", i));
         std::smatch found;
         ASSERT_TRUE(std::regex_search(
             text, found, std::regex("\\(shutting_down\\): .*; trying again in ([0-9.]+) s")))
@@ -266,16 +253,13 @@ TEST(Restart, a_journal_of_another_sea_is_named_with_what_differs_and_kept) {
     };
     refused("scenes/north_sea_gale.toml", "the scene says");
     // One number of it is another.
-    std::ifstream file(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
-    std::string text{std::istreambuf_iterator<char>(file), {}};
-    text = std::regex_replace(text, std::regex("seed = \\d+"), "seed = 424242");
+    const std::string calm = tests::read_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
+    const std::string text = std::regex_replace(calm, std::regex("seed = \\d+"), "seed = 424242");
     ASSERT_NE(text.find("424242"), std::string::npos);
     refused(tests::folder().write("changed.toml", text), "424242");
     // The same sea in other words and another place goes on.
-    std::ifstream again(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
-    const std::string same =
-        "# the same\n" + std::string(std::istreambuf_iterator<char>(again), {});
-    tests::ServerProcess server(arguments(folder, tests::folder().write("same.toml", same)));
+    tests::ServerProcess server(
+        arguments(folder, tests::folder().write("same.toml", "# the same\n" + calm)));
     EXPECT_FALSE(server.wait_until_ready().empty()) << server.log();
     EXPECT_NE(server.log().find("event=sea_goes_on journal=\"" + folder), std::string::npos)
         << server.log();

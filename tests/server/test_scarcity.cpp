@@ -2,7 +2,6 @@
 // A server to which the system gives no more memory and no more threads: requests are refused, sessions
 // may end, the process goes on.
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <system_error>
 #include <thread>
@@ -15,6 +14,7 @@
 #include "protocol/messages.h"
 #include "tests/server/net/clients.h"
 #include "tests/support/metrics_page.h"
+#include "tests/support/process_status.h"
 #include "tests/support/server_process.h"
 
 namespace seaway {
@@ -39,11 +39,7 @@ class Scarcity : public ::testing::Test {
 
     /// So much more than it has now.
     void may_take(std::size_t more_bytes) {
-        std::ifstream status("/proc/" + std::to_string(server.pid()) + "/status");
-        rlim_t has_bytes = 0;
-        for (std::string line; std::getline(status, line);)
-            if (line.starts_with("VmSize:"))
-                has_bytes = 1024 * std::stoull(line.substr(7));
+        const auto has_bytes = static_cast<rlim_t>(tests::memory_bytes(server.pid(), "VmSize"));
         const rlimit limit{has_bytes + more_bytes, RLIM_INFINITY};
         ASSERT_EQ(prlimit(server.pid(), RLIMIT_AS, &limit, nullptr), 0);
     }
@@ -51,10 +47,9 @@ class Scarcity : public ::testing::Test {
         const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
         ASSERT_EQ(prlimit(server.pid(), RLIMIT_AS, &none, nullptr), 0);
     }
+    /// 0 where there is none yet.
     double metric(const std::string& name) {
-        const std::string page = tests::ask_http(port, "/metrics", "GET").body;
-        const std::size_t at = page.find("\n" + name);
-        return at == std::string::npos ? 0 : std::stod(page.substr(page.find(' ', at + 1)));
+        return tests::read_metrics(tests::ask_http(port, "/metrics", "GET").body).values[name];
     }
     /// A client that comes now is served, and the server ends when it is asked to.
     void serves_on() {
@@ -158,13 +153,10 @@ TEST(Threads, a_start_that_gets_too_few_says_so_and_ends_with_exit_code_2) {
 
 // Threads that nobody joins end the process. A stack takes 8 MiB of addresses.
 TEST(Threads, a_pool_that_gets_too_few_leaves_none_behind) {
-    std::ifstream statm("/proc/self/statm");
-    rlim_t pages = 0;
-    statm >> pages;
+    const auto has_bytes = static_cast<rlim_t>(tests::memory_bytes(getpid(), "VmSize"));
     rlimit before{};
     ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
-    const rlimit limit{pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (512u << 20),
-                       before.rlim_max};
+    const rlimit limit{has_bytes + (512u << 20), before.rlim_max};
     ASSERT_EQ(setrlimit(RLIMIT_AS, &limit), 0);
     EXPECT_THROW(ThreadPool(1000), std::system_error);
     ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);

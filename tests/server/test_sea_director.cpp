@@ -28,14 +28,9 @@ namespace {
 
 class Director : public testing::Test {
   protected:
-    static sea::Scene calm() {
-        Result<sea::Scene> scene = sea::parse_scene(small_sea, "small_sea", ".");
-        EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-        return *std::move(scene);
-    }
     static std::string windy() {
         const TomlAssignment wind{"systems.0.wind_speed_10m_mps", "14.0"};
-        return sea::to_toml(sea::changed(calm(), {&wind, 1}).value());
+        return sea::to_toml(sea::changed(small_scene(), {&wind, 1}).value());
     }
     SeaWish wish() const {
         SeaWish wish;
@@ -65,8 +60,8 @@ class Director : public testing::Test {
     }
     Following following() const { return world.following().value(); }
 
-    const std::shared_ptr<SeaCourse> course = SeaCourse::begin(calm()).value();
-    ForgetfulJournal journal{{1, 0, 0, sea::to_toml(calm())}};
+    const std::shared_ptr<SeaCourse> course = SeaCourse::begin(small_scene()).value();
+    ForgetfulJournal journal{{1, 0, 0, sea::to_toml(small_scene())}};
     SeaClock clock{SeaClock::utc_now_us()};
     World world{course, clock};
     std::unique_ptr<SeaDirector> director =
@@ -334,10 +329,12 @@ TEST_F(Director, says_that_it_is_stuck_and_no_place_of_anything) {
 
 TEST_F(Director, what_it_refuses_is_counted_by_reason) {
     const auto counts = [this] { return world.changes_refused(); };
-    EXPECT_EQ(
-        counts(),
-        (RefusedChanges::Counts{
-            {"bad_value", 0}, {"busy", 0}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 0}}));
+    EXPECT_EQ(counts(), (RefusedChanges::Counts{{"bad_value", 0},
+                                                {"busy", 0},
+                                                {"full", 0},
+                                                {"gone", 0},
+                                                {"not_offered", 0},
+                                                {"unwritten", 0}}));
     const Result<SeaPromise> made = through_world(wish());
     ASSERT_TRUE(made) << made.error().message;
     EXPECT_EQ(made->change, 2u) << "its number in the journal";
@@ -353,10 +350,12 @@ TEST_F(Director, what_it_refuses_is_counted_by_reason) {
     EXPECT_FALSE(through_world(wish()));
     journal.refuses = JournalError::unknown;
     EXPECT_FALSE(through_world(wish()));
-    EXPECT_EQ(
-        counts(),
-        (RefusedChanges::Counts{
-            {"bad_value", 2}, {"busy", 2}, {"gone", 0}, {"not_offered", 0}, {"unwritten", 1}}));
+    EXPECT_EQ(counts(), (RefusedChanges::Counts{{"bad_value", 2},
+                                                {"busy", 2},
+                                                {"full", 0},
+                                                {"gone", 0},
+                                                {"not_offered", 0},
+                                                {"unwritten", 1}}));
     world.change_by(nullptr);
     EXPECT_FALSE(through_world(wish()));
     EXPECT_EQ(counts().at("not_offered"), 1u);

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -14,25 +13,20 @@
 #include <csignal>
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include "client/client.h"
 #include "server/stop_signal.h"
 #include "tests/server/net/clients.h"
+#include "tests/support/eventually.h"
 #include "tests/support/folder.h"
+#include "tests/support/process_status.h"
+#include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/server_process.h"
+#include "tests/support/times_in.h"
 
 namespace seaway {
 namespace {
-
-bool comes(const std::function<bool()>& condition) {
-    for (int i = 0; i < 12'000; ++i) {
-        if (condition())
-            return true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
-}
 
 bool comes_in(const std::string& url, const std::string& token) {
     return client::Client::connect({.url = url, .name = "knocks", .token = token}).has_value();
@@ -75,12 +69,12 @@ TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {
     ASSERT_TRUE(comes_in(url, "old")) << server.log();
     folder.write("signals.token", "new\n");
     server.send(SIGHUP);
-    ASSERT_TRUE(comes([&] { return comes_in(url, "new"); })) << server.log();
+    ASSERT_TRUE(tests::eventually([&] { return comes_in(url, "new"); })) << server.log();
     EXPECT_FALSE(comes_in(url, "old"));
     EXPECT_EQ(server.log().find("new\n"), std::string::npos) << "no secrets";
     folder.write("signals.token", "\xEF\xBB\xBFnewest\n");
     server.send(SIGHUP);
-    ASSERT_TRUE(comes([&] {
+    ASSERT_TRUE(tests::eventually([&] {
         return server.log().find("event=reload_refused why=\"" + file + ": begins with a byte") !=
                std::string::npos;
     })) << server.log();
@@ -92,13 +86,9 @@ TEST(Signals, a_hang_up_reads_the_tokens_again_and_others_change_nothing) {
 /// Lines of a log that say what became of a file, once there are so many reloads in it; without what stands before them.
 std::vector<std::string> files_read_again(tests::ServerProcess& server, std::size_t reloads) {
     const auto count = [&server] {
-        const std::string log = server.log();
-        std::size_t found = 0;
-        for (std::size_t at = 0; (at = log.find(" event=reload", at)) != std::string::npos; ++at)
-            ++found;
-        return found;
+        return static_cast<std::size_t>(tests::times_in(server.log(), " event=reload"));
     };
-    EXPECT_TRUE(comes([&] { return count() == reloads; })) << server.log();
+    EXPECT_TRUE(tests::eventually([&] { return count() == reloads; })) << server.log();
     std::vector<std::string> lines;
     std::istringstream in(server.log());
     for (std::string line; std::getline(in, line);) {
@@ -161,8 +151,7 @@ TEST(Signals, a_hang_up_says_of_each_file_whether_it_was_read_again_and_why_not)
 
 // A scene with a sea and a timetable that take a while to look through.
 TEST(Signals, who_is_asked_to_stop_before_the_scene_has_been_read_stops_with_exit_code_0) {
-    std::ifstream file(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
-    std::string scene{std::istreambuf_iterator<char>(file), {}};
+    std::string scene = tests::read_file(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
     for (int hour = 1; hour <= 64; ++hour)
         scene += "\n[[weather]]\nat_s = " + std::to_string(3600 * hour) +
                  "\nover_s = 600\nset = { sea.system.0.wind_speed_10m_mps = " +
@@ -170,15 +159,11 @@ TEST(Signals, who_is_asked_to_stop_before_the_scene_has_been_read_stops_with_exi
     for (const int signal : {SIGTERM, SIGINT}) {
         tests::ServerProcess server({tests::folder().write("long.toml", scene), "--device",
                                      "native", "--listen", "127.0.0.1:0"});
-        const std::string status = "/proc/" + std::to_string(server.pid()) + "/status";
-        ASSERT_TRUE(
-            comes([&] { // it is past the loader: SIGUSR1 is passed over from the first line on
-                std::ifstream in(status);
-                for (std::string line; std::getline(in, line);)
-                    if (line.starts_with("SigIgn:"))
-                        return (std::stoull(line.substr(7), nullptr, 16) >> (SIGUSR1 - 1) & 1) == 1;
-                return false;
-            }));
+        // It is past the loader: SIGUSR1 is passed over from the first line on.
+        ASSERT_TRUE(tests::eventually([&] {
+            const std::string process = "/proc/" + std::to_string(server.pid());
+            return (tests::signals_in(process, "SigIgn") >> (SIGUSR1 - 1) & 1) == 1;
+        }));
         server.send(signal);
         EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(60)), 0) << server.log();
     }
@@ -212,20 +197,14 @@ TEST(State, says_which_scene_runs_and_not_where_its_file_lies) {
 }
 
 TEST(Start, fewer_open_files_than_connections_is_exit_code_2) {
-    const std::string log = tests::folder().file("few_files.log");
-    const std::string command = "ulimit -n 100; exec " SEAWAY_BIN_DIR
-                                "/seaway-server " SEAWAY_SOURCE_DIR
-                                "/scenes/calm.toml --device native --listen "
-                                "127.0.0.1:0 2> " +
-                                log;
-    const int status = std::system(command.c_str());
-    ASSERT_TRUE(WIFEXITED(status));
-    EXPECT_EQ(WEXITSTATUS(status), 2);
-    std::ifstream in(log);
-    const std::string said{std::istreambuf_iterator<char>(in), {}};
-    EXPECT_NE(said.find("--connections-max 1280: 1344 open files are needed and 100 are allowed"),
-              std::string::npos)
-        << said;
+    const tests::Output ran = tests::run_program(
+        "seaway-server", SEAWAY_SOURCE_DIR "/scenes/calm.toml --device native --listen 127.0.0.1:0",
+        {}, "ulimit -n 100; exec");
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_NE(
+        ran.err.find("--connections-max 1280: 1344 open files are needed and 100 are allowed"),
+        std::string::npos)
+        << ran.err;
 }
 
 } // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Token files of the command line, with the real server.
-#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -10,8 +9,10 @@
 
 #include "client/client.h"
 #include "tests/server/change_bench.h"
+#include "tests/support/certificate.h"
 #include "tests/support/folder.h"
 #include "tests/support/server_process.h"
+#include "tests/support/times_in.h"
 
 namespace seaway {
 namespace {
@@ -34,27 +35,16 @@ TEST(Start, tokens_on_the_command_line_open_the_door_they_are_for) {
     server.send(SIGTERM);
     EXPECT_EQ(server.wait_for_exit(std::chrono::seconds(20)), 0);
     const std::string log = server.log();
-    const auto count = [&](const std::string& words) {
-        int found = 0;
-        for (std::size_t at = 0; (at = log.find(words, at)) != std::string::npos; ++at)
-            ++found;
-        return found;
-    };
-    EXPECT_EQ(count("client=\"knocks\" administrator=false"), 1) << log;
-    EXPECT_EQ(count("client=\"knocks\" administrator=true"), 1) << log;
+    EXPECT_EQ(tests::times_in(log, "client=\"knocks\" administrator=false"), 1) << log;
+    EXPECT_EQ(tests::times_in(log, "client=\"knocks\" administrator=true"), 1) << log;
 }
 
 // What comes back from a port that speaks TLS is an end without a word.
 TEST(Start, who_asks_a_server_with_tls_without_it_is_told_of_wss) {
-    const std::string name = tests::folder().file("wss");
-    ASSERT_EQ(std::system(("openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 "
-                           "-nodes -days 2 -subj /CN=127.0.0.1 -keyout " +
-                           name + ".key -out " + name + ".pem 2>/dev/null")
-                              .c_str()),
-              0);
+    const tests::Certificate own;
     tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
-                                 "127.0.0.1:0", "--tls-cert", name + ".pem", "--tls-key",
-                                 name + ".key"});
+                                 "127.0.0.1:0", "--tls-cert", own.cert_file, "--tls-key",
+                                 own.key_file});
     const std::string url = server.wait_until_ready();
     ASSERT_EQ(url.substr(0, 6), "wss://") << server.log();
     const changes::Said said = changes::ctl("ws://" + url.substr(6), {"state"}, "");

@@ -62,9 +62,7 @@ SeaCoursePtr changing_course(int changes) {
     for (int i = 0; i < changes; ++i)
         rows += "[[weather]]\nat_s = " + std::to_string(100 + 40 * i) +
                 "\nover_s = 20\nset.systems.0.from_deg = " + std::to_string(250 + i) + "\n";
-    const Result<sea::Scene> scene = sea::parse_scene(small_sea + rows, "small_sea", ".");
-    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return *SeaCourse::begin(*scene);
+    return *SeaCourse::begin(small_scene(rows));
 }
 
 // Naive: the message of the oldest sea is let go at once, as the oldest, and handed out all the same.
@@ -278,7 +276,7 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
     world.subscriptions().set(3, {2u, heights, 0, 1});
     world.subscriptions().set(4, {2u, heights, 0, 1});
     world.subscriptions().set(5, {1u, heights, 0, 6});
-    const std::vector<std::uint8_t> rungs[] = {{0, 2, 6}, {0, 1}};
+    const std::vector<std::uint8_t> rungs[] = {{0, 2, 6}, {1, 0}}; // of the second two have 1
     for (int cascade = 0; cascade < 2; ++cascade) {
         auto keyframe = std::make_shared<sea::Keyframe>();
         keyframe->epoch = sea->epoch;
@@ -290,6 +288,7 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
         ASSERT_EQ(published.size(), expected.size()) << cascade;
         for (std::size_t i = 0; i < expected.size(); ++i) {
             EXPECT_EQ(published[i].quality, expected[i]);
+            EXPECT_EQ(published[i].rank, i);
             EXPECT_EQ(published[i].keyframe, keyframe);
             const bool compact = expected[i] >= 5;
             EXPECT_EQ(published[i].codec_error,

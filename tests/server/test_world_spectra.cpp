@@ -59,7 +59,7 @@ std::vector<std::uint32_t> epochs_sent(World& world, std::vector<std::uint32_t> 
 
 /// Ten minutes each, a glide every ten seconds from 100 s on, so that each takes over from the one before.
 std::shared_ptr<SeaCourse> course_of_takeovers(int glides) {
-    const auto course = SeaCourse::begin(*sea::parse_scene(small_sea, "small_sea", ".")).value();
+    const auto course = SeaCourse::begin(small_scene()).value();
     sea::Scene turned = course->first()->scene;
     for (int i = 0; i < glides; ++i) {
         std::get<sea::WindSea>(turned.sea.systems[0]).wind_speed_10m_mps = 10 + i;

@@ -2,6 +2,7 @@
 // Files of a test: two runs at once on one machine must not meet in them.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -27,6 +28,11 @@ class Folder {
     Folder& operator=(const Folder&) = delete;
 
     std::string file(const std::string& name) const { return (path_ / name).string(); }
+    /// A name that nobody has asked for.
+    std::string fresh(const std::string& name) const {
+        static std::atomic<int> count = 0;
+        return file(std::to_string(++count) + "-" + name);
+    }
     std::string write(const std::string& name, const std::string& text) const {
         std::ofstream(file(name), std::ios::binary) << text;
         return file(name);

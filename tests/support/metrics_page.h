@@ -92,6 +92,12 @@ inline MetricsPage read_metrics(const std::string& text) {
     return page;
 }
 
+/// One figure of a page, by its name with its labels; -1 if it is not there.
+inline double figure_of(const std::string& text, const std::string& name) {
+    const std::size_t at = text.find("\n" + name + " ");
+    return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
+}
+
 /// The page has these samples, to rounding, and no others.
 inline void expect_metrics(const MetricsPage& page, const std::map<std::string, double>& expected) {
     for (const auto& [name, value] : expected) {

@@ -87,11 +87,12 @@ class NatsServer {
     void send(int signal) const { kill(pid_, signal); }
 
     /// What comes in answer to a request within two seconds, with what NATS says around it; else empty.
-    std::string ask(const std::string& subject) const {
+    std::string ask(const std::string& subject, const std::string& body = {}) const {
         const int socket_of = connected();
-        const std::string question = fmt::format(
-            "CONNECT {{\"verbose\":false}}\r\nSUB _INBOX.ask 1\r\nPUB {} _INBOX.ask 0\r\n\r\n",
-            subject);
+        const std::string question =
+            fmt::format("CONNECT {{\"verbose\":false}}\r\nSUB _INBOX.ask 1\r\n"
+                        "PUB {} _INBOX.ask {}\r\n{}\r\n",
+                        subject, body.size(), body);
         const timeval patience{2, 0};
         setsockopt(socket_of, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
         (void)::send(socket_of, question.data(), question.size(), MSG_NOSIGNAL);

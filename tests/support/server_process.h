@@ -6,8 +6,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <thread>
@@ -17,6 +15,8 @@
 #include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "tests/support/read_file.h"
 
 namespace seaway::tests {
 
@@ -105,10 +105,7 @@ class ServerProcess {
         return std::nullopt;
     }
 
-    std::string log() const {
-        std::ifstream file(log_path_);
-        return {std::istreambuf_iterator<char>(file), {}};
-    }
+    std::string log() const { return read_file(log_path_); }
 
   private:
     pid_t pid_ = -1;

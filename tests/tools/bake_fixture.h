@@ -8,8 +8,9 @@
 #include "sea/scene/scene.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/reference.h"
+#include "tests/support/folder.h"
+#include "tests/support/program.h"
 #include "tests/tools/exr_file.h"
-#include "tests/tools/program.h"
 
 namespace seaway::tests_of_bake {
 
@@ -42,9 +43,9 @@ inline sea::Scene small_scene() {
     return scene;
 }
 
-inline testing::Output run_bake(const std::string& arguments) {
-    const std::string scene = testing::folder().write("bake.toml", scene_text);
-    return testing::run_program("seaway-bake", scene + " " + arguments);
+inline tests::Output run_bake(const std::string& arguments) {
+    const std::string scene = tests::folder().write("bake.toml", scene_text);
+    return tests::run_program("seaway-bake", scene + " " + arguments);
 }
 
 inline sea::DirectSum small_sea() {

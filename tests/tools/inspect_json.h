@@ -7,12 +7,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
 namespace seaway::testing {
 
 inline nlohmann::json report_of(const std::string& scene) {
-    const Output output = run_program("seaway-inspect", scene + " --format json");
+    const tests::Output output = tests::run_program("seaway-inspect", scene + " --format json");
     EXPECT_EQ(output.status, 0) << output.err;
     EXPECT_EQ(output.err, "");
     return nlohmann::json::parse(output.out, nullptr, false);

@@ -22,10 +22,10 @@ namespace {
 using namespace tests_of_bake;
 using testing::ExrFile;
 using ::testing::HasSubstr;
-using testing::Output;
+using tests::Output;
 
 TEST(Bake, maps_are_the_direct_sum_at_the_nodes) {
-    const std::string out = testing::folder().file("exact");
+    const std::string out = tests::folder().file("exact");
     const Output ran = run_bake("--out " + out +
                                 " --frames 2 --fps 8 --start 12.34 --size 64 "
                                 "--fields all");
@@ -69,7 +69,7 @@ TEST(Bake, maps_are_the_direct_sum_at_the_nodes) {
 }
 
 TEST(Bake, attributes_say_what_one_has_to_know) {
-    const std::string out = testing::folder().file("attributes");
+    const std::string out = tests::folder().file("attributes");
     ASSERT_EQ(run_bake("--out " + out +
                        " --frames 2 --fps 8 --start 100 --size 64 "
                        "--fields height,foam --compression zip")
@@ -89,7 +89,7 @@ TEST(Bake, attributes_say_what_one_has_to_know) {
     EXPECT_EQ(file.number("seaway.choppiness_x"), 1.2);
     EXPECT_EQ(file.number("seaway.choppiness_y"), 0.8);
     EXPECT_EQ(file.text("software"), "seaway-bake " SEAWAY_VERSION);
-    EXPECT_EQ(file.text("seaway.scene"), testing::folder().file("bake.toml"));
+    EXPECT_EQ(file.text("seaway.scene"), tests::folder().file("bake.toml"));
     EXPECT_EQ(file.text("seaway.rows"), "south to north");
     // The text in the file makes the same sea again.
     const sea::Scene scene = sea::parse_scene(file.text("seaway.scene_toml"), "exr", ".").value();
@@ -112,7 +112,7 @@ TEST(Bake, attributes_say_what_one_has_to_know) {
 }
 
 TEST(Bake, attributes_tell_the_sea_that_was_asked_for_from_the_one_that_was_drawn) {
-    const std::string out = testing::folder().file("statistics");
+    const std::string out = tests::folder().file("statistics");
     ASSERT_EQ(run_bake("--out " + out + " --frames 1 --fps 1 --size 64 --fields height").status, 0);
     ExrFile file(out + "/cascade0.00000.exr");
     const sea::Scene scene = small_scene();
@@ -134,7 +134,7 @@ TEST(Bake, attributes_tell_the_sea_that_was_asked_for_from_the_one_that_was_draw
 
 // A frame of 1/24 s is no whole number of microseconds: what it is rounded by must not add up.
 TEST(Bake, frames_lie_at_their_times_to_the_microsecond_without_drift) {
-    const std::string out = testing::folder().file("times");
+    const std::string out = tests::folder().file("times");
     const std::string same = " --frames 25 --fps 24 --start 100 --size 64 --fields height";
     ASSERT_EQ(run_bake("--out " + out + same).status, 0);
     for (const auto& [frame, time_us] : {std::pair("01", "100041667"), {"24", "101000000"}})
@@ -143,7 +143,7 @@ TEST(Bake, frames_lie_at_their_times_to_the_microsecond_without_drift) {
 
 /// The whole sea of small_scene() at a time.
 TEST(Bake, summed_tile_is_the_sea_of_all_cascades) {
-    const std::string out = testing::folder().file("summed");
+    const std::string out = tests::folder().file("summed");
     ASSERT_EQ(run_bake("--out " + out +
                        " --frames 1 --fps 8 --start 31 --size 64 --summed "
                        "--fields height,displacement_x,slope_y,jacobian,foam")
@@ -183,22 +183,22 @@ TEST(Bake, summed_tile_is_the_sea_of_all_cascades) {
 
 TEST(Bake, summed_tile_is_as_fine_as_its_finest_cascade) {
     for (const auto& [first, second] : {std::pair{64, 128}, std::pair{128, 64}}) {
-        const std::string scene = testing::folder().write(
+        const std::string scene = tests::folder().write(
             "sizes.toml", "[sea]\n[[cascade]]\nlength_m = 401\nsize = " + std::to_string(first) +
                               "\n[[cascade]]\nlength_m = 83\nsize = " + std::to_string(second) +
                               "\n");
-        const std::string out = testing::folder().file("sizes");
-        const Output ran = testing::run_program("seaway-bake", scene + " --out " + out +
-                                                                   " --frames 1 --fps 1 --summed "
-                                                                   "--fields height");
+        const std::string out = tests::folder().file("sizes");
+        const Output ran = tests::run_program("seaway-bake", scene + " --out " + out +
+                                                                 " --frames 1 --fps 1 --summed "
+                                                                 "--fields height");
         ASSERT_EQ(ran.status, 0) << ran.err;
         EXPECT_EQ(ExrFile(out + "/sea.00000.exr").size(), 128) << first << ", then " << second;
     }
 }
 
 TEST(Bake, rgb_is_where_a_point_goes_in_the_frame_of_the_reader) {
-    const std::string names = testing::folder().file("names");
-    const std::string rgb = testing::folder().file("rgb");
+    const std::string names = tests::folder().file("names");
+    const std::string rgb = tests::folder().file("rgb");
     const std::string same = " --frames 1 --fps 24 --size 64 ";
     ASSERT_EQ(
         run_bake("--out " + names + same + "--fields height,displacement_x,displacement_y,foam")
@@ -227,7 +227,7 @@ TEST(Bake, rgb_is_where_a_point_goes_in_the_frame_of_the_reader) {
 }
 
 TEST(Bake, the_jacobian_of_the_summed_sea_is_the_determinant_of_its_strains) {
-    const std::string out = testing::folder().file("determinant");
+    const std::string out = tests::folder().file("determinant");
     ASSERT_EQ(run_bake("--out " + out +
                        " --frames 1 --fps 8 --start 31 --size 64 --summed "
                        "--fields strain_xx,strain_yy,strain_xy,jacobian")
@@ -247,8 +247,7 @@ TEST(Bake, the_jacobian_of_the_summed_sea_is_the_determinant_of_its_strains) {
 
 // North first, in 16 bits as in 32.
 TEST(Bake, half_maps_are_turned_as_others_are) {
-    const std::string south = testing::folder().file("south"),
-                      north = testing::folder().file("north");
+    const std::string south = tests::folder().file("south"), north = tests::folder().file("north");
     const std::string same = " --frames 1 --fps 24 --size 64 --fields height --half --out ";
     ASSERT_EQ(run_bake("--top south" + same + south).status, 0);
     ASSERT_EQ(run_bake("--top north" + same + north).status, 0);
@@ -261,7 +260,7 @@ TEST(Bake, half_maps_are_turned_as_others_are) {
 }
 
 TEST(Bake, what_is_said_of_files_is_what_lies_there) {
-    const std::string out = testing::folder().file("counted");
+    const std::string out = tests::folder().file("counted");
     const Output ran = run_bake("--out " + out + " --frames 3 --fps 24 --size 64 --mesh ply");
     ASSERT_EQ(ran.status, 0) << ran.err;
     int files = 0;
@@ -290,7 +289,7 @@ TEST(Bake, every_packing_is_the_one_that_was_asked_for) {
                                                                  {"piz", Imf::PIZ_COMPRESSION}};
     std::vector<float> first;
     for (const auto& [name, packing] : packings) {
-        const std::string out = testing::folder().file(std::string("packed_") + name);
+        const std::string out = tests::folder().file(std::string("packed_") + name);
         ASSERT_EQ(run_bake("--out " + out + " --frames 1 --fps 24 --size 64 --fields height " +
                            "--compression " + name)
                       .status,
@@ -304,8 +303,8 @@ TEST(Bake, every_packing_is_the_one_that_was_asked_for) {
 }
 
 TEST(Bake, half_keeps_eleven_bits) {
-    const std::string floats = testing::folder().file("floats");
-    const std::string halves = testing::folder().file("halves");
+    const std::string floats = tests::folder().file("floats");
+    const std::string halves = tests::folder().file("halves");
     const std::string same = " --frames 1 --fps 24 --size 64 --fields height";
     ASSERT_EQ(run_bake("--out " + floats + same).status, 0);
     ASSERT_EQ(run_bake("--half --out " + halves + same).status, 0);
@@ -320,11 +319,11 @@ TEST(Bake, half_keeps_eleven_bits) {
 
 /// Ended by a signal as soon as it has made its first file; after a minute in any case. `timeout` sends it twice.
 Output signalled(const char* signal, const std::string& out, const std::string& more) {
-    const std::string scene = testing::folder().write("bake.toml", scene_text);
+    const std::string scene = tests::folder().write("bake.toml", scene_text);
     const std::string kill = "sh -c 'timeout -s KILL 60 \"$@\" & while [ ! -e " + out +
                              "/cascade0.00000.exr ] && kill -0 $!; do sleep 0.02; done; kill -" +
                              signal + " $!; wait $!' sh";
-    return testing::run_program(
+    return tests::run_program(
         "seaway-bake", scene + " --out " + out + " --frames 100000 --fps 24 " + more, {}, kill);
 }
 
@@ -332,7 +331,7 @@ Output signalled(const char* signal, const std::string& out, const std::string& 
 TEST(Bake, a_signal_ends_it_between_two_files) {
     for (const auto& [signal, number, field] :
          {std::tuple{"INT", SIGINT, "height"}, {"TERM", SIGTERM, "foam"}}) {
-        const std::string out = testing::folder().file(std::string("signalled_") + signal);
+        const std::string out = tests::folder().file(std::string("signalled_") + signal);
         const Output ran =
             signalled(signal, out, std::string("--compression zip --fields ") + field);
         EXPECT_EQ(ran.status, 128 + number) << ran.err;
@@ -355,7 +354,7 @@ TEST(Bake, a_signal_ends_it_between_two_files) {
 }
 
 TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
-    const std::string out = "--out " + testing::folder().file("none") + " ";
+    const std::string out = "--out " + tests::folder().file("none") + " ";
     const auto refuses = [](const Output& ran, int status, const std::string& part) {
         EXPECT_EQ(ran.status, status) << ran.err;
         EXPECT_TRUE(ran.error_lines() == 1 && ran.err.find(part) != ran.err.npos) << ran.err;
@@ -379,20 +378,20 @@ TEST(Bake, mistakes_are_one_helpful_line_and_a_code) {
     refuses(run_bake(out + "--frames 1 --fps 24 --size 2048"), 2, "size 2048; the native device");
     // The last frame may lie at the end of time, and not beyond it.
     const std::string late = "--fps 1 --size 64 --fields height --start 999999999 --frames ";
-    EXPECT_EQ(run_bake("--out " + testing::folder().file("late") + " " + late + "2").status, 0);
+    EXPECT_EQ(run_bake("--out " + tests::folder().file("late") + " " + late + "2").status, 0);
     refuses(run_bake(out + late + "3"), 2, "frames from 1e+09 to 1e+09 s");
     // Frames beyond all times, and even beyond what counts them.
     for (const char* times : {"1e-9", "1e-12", "1e-300", "1 --start 1e9", "1 --start nan"})
         refuses(run_bake(out + "--frames 3 --size 64 --fps " + times), 2, "-1e+09 .. 1e+09");
     refuses(run_bake("--out /dev/null/maps --frames 1 --fps 24 --size 64"), 4, "/dev/null/maps");
     refuses(run_bake(out + "--frames 1 --fps 24 --device no-such-device"), 3, "no-such-device");
-    const std::string changing = testing::folder().write(
+    const std::string changing = tests::folder().write(
         "changing.toml", scene_text + "[[weather]]\nat_s = 3600\nset = { sea.depth_m = 20 }\n");
-    refuses(testing::run_program("seaway-bake", changing + " " + out + "--frames 1 --fps 24"), 2,
+    refuses(tests::run_program("seaway-bake", changing + " " + out + "--frames 1 --fps 24"), 2,
             "[[weather]]");
     const std::string missing = "missing.toml " + out + "--frames 1 --fps 24";
-    refuses(testing::run_program("seaway-bake", missing), 2, "missing.toml");
-    EXPECT_FALSE(std::filesystem::exists(testing::folder().file("none") + "/cascade0.00000.exr"));
+    refuses(tests::run_program("seaway-bake", missing), 2, "missing.toml");
+    EXPECT_FALSE(std::filesystem::exists(tests::folder().file("none") + "/cascade0.00000.exr"));
 }
 
 } // namespace

@@ -19,7 +19,7 @@ namespace {
 
 using namespace tests_of_bake;
 using testing::ExrFile;
-using testing::Output;
+using tests::Output;
 
 struct PlyVertex {
     float position[3];
@@ -56,7 +56,7 @@ struct Ply {
 };
 
 TEST(Bake, mesh_lies_on_the_surface_and_repeats_without_a_gap) {
-    const std::string out = testing::folder().file("mesh");
+    const std::string out = tests::folder().file("mesh");
     ASSERT_EQ(run_bake("--out " + out +
                        " --frames 1 --fps 24 --start 7 --size 64 --mesh ply --fields height")
                   .status,
@@ -132,7 +132,7 @@ Obj read_obj(const std::string& path) {
 }
 
 TEST(Bake, obj_holds_the_mesh_of_the_summed_sea_with_y_up) {
-    const std::string out = testing::folder().file("obj");
+    const std::string out = tests::folder().file("obj");
     ASSERT_EQ(run_bake("--out " + out +
                        " --frames 1 --fps 24 --start 7 --size 64 --summed --mesh obj --up y")
                   .status,
@@ -175,14 +175,13 @@ TEST(Bake, foam_of_the_summed_sea_is_what_the_ratios_of_all_tiles_make) {
     const auto bake = [](double second_m, const std::string& how) {
         std::string text = scene_text;
         text.replace(text.find("83.0"), 4, std::to_string(second_m));
-        const std::string scene = testing::folder().write("foam.toml", text);
-        const std::string out =
-            testing::folder().file(how.empty() ? "foam_apart" : "foam_together");
+        const std::string scene = tests::folder().write("foam.toml", text);
+        const std::string out = tests::folder().file(how.empty() ? "foam_apart" : "foam_together");
         const Output ran =
-            testing::run_program("seaway-bake", scene + " --out " + out +
-                                                    " --frames 1 --fps 8 --start 31 --size 64 "
-                                                    "--fields foam" +
-                                                    how);
+            tests::run_program("seaway-bake", scene + " --out " + out +
+                                                  " --frames 1 --fps 8 --start 31 --size 64 "
+                                                  "--fields foam" +
+                                                  how);
         EXPECT_EQ(ran.status, 0) << ran.err;
         return out;
     };

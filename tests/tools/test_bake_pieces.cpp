@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 
+#include "tests/support/read_file.h"
 #include "tests/tools/bake_fixture.h"
 
 namespace seaway {
@@ -19,17 +18,12 @@ namespace {
 using namespace tests_of_bake;
 using testing::ExrFile;
 using ::testing::HasSubstr;
-using testing::Output;
-
-std::string bytes_of(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
+using tests::Output;
 
 // Naive: each piece counts from 0, and begins at a time that has been rounded already.
 TEST(Bake, pieces_of_a_film_are_its_files) {
-    const std::string whole = testing::folder().file("whole"),
-                      pieces = testing::folder().file("pieces");
+    const std::string whole = tests::folder().file("whole"),
+                      pieces = tests::folder().file("pieces");
     const std::string same =
         " --fps 24000/1001 --start 4.1 --size 64 --summed --fields height,slope_x --mesh ply";
     ASSERT_EQ(run_bake("--out " + whole + " --frames 5" + same).status, 0);
@@ -41,7 +35,8 @@ TEST(Bake, pieces_of_a_film_are_its_files) {
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(whole)) {
         const std::string name = entry.path().filename().string();
-        EXPECT_EQ(bytes_of(pieces + "/" + name) == bytes_of(entry.path().string()), true) << name;
+        EXPECT_EQ(tests::read_file(pieces + "/" + name) == tests::read_file(entry.path()), true)
+            << name;
         ++files;
     }
     EXPECT_EQ(files, 5 * 2);
@@ -55,10 +50,10 @@ TEST(Bake, pieces_of_a_film_are_its_files) {
 TEST(Bake, a_sea_without_foam_has_none_in_its_map) {
     std::string text = scene_text; // a Jacobian below -0.9 comes about nowhere in this sea
     text.replace(text.find("threshold = 0.7"), 15, "threshold = -0.9");
-    const std::string out = testing::folder().file("calm");
-    const Output ran = testing::run_program(
-        "seaway-bake", testing::folder().write("calm.toml", text) + " --out " + out +
-                           " --frames 1 --fps 8 --size 64 --fields foam");
+    const std::string out = tests::folder().file("calm");
+    const Output ran =
+        tests::run_program("seaway-bake", tests::folder().write("calm.toml", text) + " --out " +
+                                              out + " --frames 1 --fps 8 --size 64 --fields foam");
     ASSERT_EQ(ran.status, 0) << ran.err;
     ExrFile file(out + "/cascade0.00000.exr");
     EXPECT_EQ(file.number("seaway.foam_mean"), 0.0);
@@ -70,17 +65,17 @@ TEST(Bake, foam_that_the_scene_does_not_allow_is_refused_by_name) {
     for (const auto& [effects, why] : {std::pair{"foam = false", "no foam"},
                                        {"displacement = \"height\"", "displacement height"}}) {
         const std::string scene =
-            testing::folder().write("plain.toml", scene_text + "[effects]\n" + effects + "\n");
+            tests::folder().write("plain.toml", scene_text + "[effects]\n" + effects + "\n");
         const std::string same =
-            scene + " --frames 1 --fps 8 --size 64 --out " + testing::folder().file("plain");
-        const Output refused = testing::run_program("seaway-bake", same + " --fields height,foam");
+            scene + " --frames 1 --fps 8 --size 64 --out " + tests::folder().file("plain");
+        const Output refused = tests::run_program("seaway-bake", same + " --fields height,foam");
         EXPECT_EQ(refused.status, 2) << refused.err;
         EXPECT_THAT(refused.err,
                     HasSubstr(std::string("--fields: foam, but [effects] has ") + why));
         EXPECT_EQ(refused.error_lines(), 1) << refused.err;
-        const Output all = testing::run_program("seaway-bake", same + " --fields all");
+        const Output all = tests::run_program("seaway-bake", same + " --fields all");
         ASSERT_EQ(all.status, 0) << all.err;
-        ExrFile file(testing::folder().file("plain") + "/cascade0.00000.exr");
+        ExrFile file(tests::folder().file("plain") + "/cascade0.00000.exr");
         EXPECT_TRUE(file.has("jacobian"));
         EXPECT_FALSE(file.has("foam")) << "all that there is";
     }
@@ -88,11 +83,11 @@ TEST(Bake, foam_that_the_scene_does_not_allow_is_refused_by_name) {
 
 // As seaway-inspect has it (docs/scenes.md).
 TEST(Bake, a_flat_sea_comes_from_nowhere) {
-    const std::string scene = testing::folder().write("flat.toml", "[sea]\n[[cascade]]\n"
-                                                                   "length_m = 401\nsize = 64\n");
-    const std::string out = testing::folder().file("flat");
-    const Output ran = testing::run_program(
-        "seaway-bake", scene + " --out " + out + " --frames 1 --fps 8 --fields height");
+    const std::string scene = tests::folder().write("flat.toml", "[sea]\n[[cascade]]\n"
+                                                                 "length_m = 401\nsize = 64\n");
+    const std::string out = tests::folder().file("flat");
+    const Output ran = tests::run_program("seaway-bake", scene + " --out " + out +
+                                                             " --frames 1 --fps 8 --fields height");
     ASSERT_EQ(ran.status, 0) << ran.err;
     ExrFile file(out + "/cascade0.00000.exr");
     EXPECT_EQ(file.number("seaway.hs_m"), 0.0);
@@ -101,8 +96,8 @@ TEST(Bake, a_flat_sea_comes_from_nowhere) {
 
 // A history that was walked from the first frame on and one that begins at the piece differ by what is left of their starts.
 TEST(Bake, foam_of_a_piece_is_that_of_the_whole) {
-    const std::string whole = testing::folder().file("whole_foam"),
-                      piece = testing::folder().file("piece_foam");
+    const std::string whole = tests::folder().file("whole_foam"),
+                      piece = tests::folder().file("piece_foam");
     const std::string same = " --fps 4 --size 64 --fields foam --out ";
     ASSERT_EQ(run_bake("--frames 9" + same + whole).status, 0);
     ASSERT_EQ(run_bake("--first 8 --frames 1" + same + piece).status, 0);
@@ -119,10 +114,10 @@ TEST(Bake, foam_of_a_frame_baked_alone_is_that_of_the_sequence_and_a_loop_meets_
     // it starts elsewhere in the loop.
     const std::string text =
         "[sea]\nloop_period_s = 5" + scene_text.substr(std::string("\n[sea]").size());
-    const std::string scene = testing::folder().write("loop.toml", text);
+    const std::string scene = tests::folder().write("loop.toml", text);
     const auto bake = [&](const std::string& name, const std::string& frames) {
-        const std::string out = testing::folder().file(name);
-        const Output ran = testing::run_program(
+        const std::string out = tests::folder().file(name);
+        const Output ran = tests::run_program(
             "seaway-bake", scene + " --out " + out + " --fps 8 --size 64 --fields foam " + frames);
         EXPECT_EQ(ran.status, 0) << ran.err;
         return out;

@@ -10,14 +10,15 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tools/bench/timing.h"
 
 namespace seaway {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::Output;
+using tests::Output;
 
 const std::string scene_text = R"(
 [sea]
@@ -35,8 +36,8 @@ size = 64
 )";
 
 TEST(Bench, compare_prints_one_line_that_two_devices_make_the_same_sea) {
-    const std::string scene = testing::folder().write("compare.toml", scene_text);
-    const Output ran = testing::run_program("seaway-bench", "compare --scene " + scene);
+    const std::string scene = tests::folder().write("compare.toml", scene_text);
+    const Output ran = tests::run_program("seaway-bench", "compare --scene " + scene);
     ASSERT_EQ(ran.status, 0) << ran.err;
     EXPECT_EQ(std::count(ran.out.begin(), ran.out.end(), '\n'), 1) << ran.out;
     EXPECT_THAT(ran.out, HasSubstr("llvmpipe"));
@@ -51,12 +52,12 @@ TEST(Bench, compare_prints_one_line_that_two_devices_make_the_same_sea) {
 
 // Waves on the long tile alone: the other one is flat, and nothing differs there.
 TEST(Bench, compare_tells_the_largest_difference_of_any_cascade) {
-    const std::string scene = testing::folder().write(
+    const std::string scene = tests::folder().write(
         "first_only.toml", "[sea]\n[[sea.system]]\ntype = \"modes\"\nlength_m = 401\ndata = "
                            "\"\"\"\nnx,ny,amplitude_m,phase_rad\n5,3,1.0,0.4\n2,-7,0.5,1\n\"\"\"\n"
                            "[[cascade]]\nlength_m = 401\nsize = 64\n"
                            "[[cascade]]\nlength_m = 61\nsize = 64\n");
-    const Output ran = testing::run_program("seaway-bench", "compare --scene " + scene);
+    const Output ran = tests::run_program("seaway-bench", "compare --scene " + scene);
     ASSERT_EQ(ran.status, 0) << ran.err;
     const std::string label = "largest difference of a map ";
     const std::size_t at = ran.out.find(label);
@@ -79,7 +80,7 @@ TEST(Bench, rounds_go_round_the_variants_and_the_first_does_not_count) {
 }
 
 TEST(Bench, compare_names_a_device_that_is_not_there) {
-    const Output ran = testing::run_program("seaway-bench", "compare --first no-such-device");
+    const Output ran = tests::run_program("seaway-bench", "compare --first no-such-device");
     EXPECT_NE(ran.status, 0);
     EXPECT_EQ(ran.error_lines(), 1) << ran.err;
 }
@@ -124,12 +125,12 @@ struct Effects {
 
 const Effects& effects() {
     static const Effects measured = [] {
-        const std::string scene = testing::folder().write("effects.toml", scene_text);
-        const Output ran = testing::run_program(
+        const std::string scene = tests::folder().write("effects.toml", scene_text);
+        const Output ran = tests::run_program(
             "seaway-bench", "effects --quick --device native --ask height --scene " + scene +
-                                " --out " + testing::folder().file("effects"));
+                                " --out " + tests::folder().file("effects"));
         EXPECT_EQ(ran.status, 0) << ran.err;
-        return Effects{ran.out, testing::read_file(testing::folder().file("effects/effects.csv"))};
+        return Effects{ran.out, tests::read_file(tests::folder().file("effects/effects.csv"))};
     }();
     return measured;
 }
@@ -139,38 +140,43 @@ void expect_equal(double a, double b, const std::string& what) {
     EXPECT_NEAR(a, b, 1e-3 * b) << what;
 }
 
+/// What `seaway-bench line` counts with these options.
+double mbit_per_s(const std::string& options) {
+    const Output ran = tests::run_program("seaway-bench", "line " + options);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    const std::size_t at = ran.out.find(" Mbit/s, one whole");
+    EXPECT_NE(at, std::string::npos) << ran.out;
+    return at == std::string::npos ? 0.0 : std::stod(ran.out.substr(ran.out.rfind('\n', at) + 1));
+}
+
 // A compact client is sent heights and their rates alone, on smaller grids, and asks for no more than it gets; an older
 // one all six fields on the grids of the scene.
 TEST(Bench, line_counts_what_is_sent_of_each_cascade_and_field) {
-    const std::string scene = testing::folder().write("line.toml", scene_text);
-    const auto mbit_per_s = [](const std::string& text) {
-        const std::size_t at = text.find(" Mbit/s, one whole");
-        return at == std::string::npos ? 0.0 : std::stod(text.substr(text.rfind('\n', at) + 1));
-    };
-    const Output compact = testing::run_program("seaway-bench", "line --scene " + scene);
-    const Output whole = testing::run_program("seaway-bench", "line --whole --scene " + scene);
-    ASSERT_EQ(compact.status, 0) << compact.err;
-    ASSERT_EQ(whole.status, 0) << whole.err;
-    EXPECT_THAT(compact.out, HasSubstr("height_rate"));
-    EXPECT_THAT(compact.out, ::testing::Not(HasSubstr("displacement_x")));
-    EXPECT_THAT(whole.out, HasSubstr("displacement_x_rate"));
-    EXPECT_GT(mbit_per_s(compact.out), 0);
-    const Output alone = testing::run_program("seaway-bench", "line --alone --scene " + scene);
-    EXPECT_GT(mbit_per_s(whole.out), 5 * mbit_per_s(alone.out));
-    EXPECT_GT(mbit_per_s(alone.out), 2 * mbit_per_s(compact.out)) << "what is predicted";
+    const std::string scene = " --scene " + tests::folder().write("line.toml", scene_text);
+    const std::string compact = tests::run_program("seaway-bench", "line" + scene).out;
+    EXPECT_THAT(compact, HasSubstr("height_rate"));
+    EXPECT_THAT(compact, ::testing::Not(HasSubstr("displacement_x")));
+    EXPECT_THAT(tests::run_program("seaway-bench", "line --whole" + scene).out,
+                HasSubstr("displacement_x_rate"));
+    const double alone = mbit_per_s("--alone" + scene);
+    EXPECT_GT(mbit_per_s("--whole" + scene), 5 * alone);
+    EXPECT_GT(alone, 2 * mbit_per_s(scene)) << "what is predicted";
 }
 
-// What a client on a thin line is promised of the gale (docs/performance/line.md has what was measured: 1.1 Mbit/s): each keyframe alone at
-// the centimetre of its scene. Bytes are no timings: they are the same on every run.
+// What a client on a thin line is promised of the gale: 7 Mbit/s at the centimetre of its scene and 1.5 at 5 cm. What clients of
+// ours take is predicted and the same at either, 0.065 (docs/performance/line.md); a quarter is four times that, and less than half of what
+// each keyframe alone takes at 5 cm (0.64). Bytes are no timings: they are the same on every run.
 TEST(Bench, the_gale_fits_the_lines_that_it_is_promised_to_fit) {
     const std::string gale = " --scene " SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml";
-    const Output alone = testing::run_program("seaway-bench", "line --alone" + gale);
-    ASSERT_EQ(alone.status, 0) << alone.err;
-    const std::size_t at = alone.out.find(" Mbit/s, one whole");
-    ASSERT_NE(at, std::string::npos) << alone.out;
-    const double mbit_per_s = std::stod(alone.out.substr(alone.out.rfind('\n', at) + 1));
-    EXPECT_GT(mbit_per_s, 0.1);
-    EXPECT_LT(mbit_per_s, 1.5);
+    for (const char* bound : {"--height-error 0.01", "--height-error 0.05"}) {
+        const double predicted = mbit_per_s(bound + gale);
+        EXPECT_GT(predicted, 0.01) << bound;
+        EXPECT_LT(predicted, 0.25) << bound;
+    }
+    // For one that takes no differences to what came before: 1.1.
+    const double alone = mbit_per_s("--alone" + gale);
+    EXPECT_GT(alone, 0.1);
+    EXPECT_LT(alone, 1.5);
 }
 
 // One transform a real field and keyframe, for a second of sea: what docs/effects.md shows is counted by
@@ -255,15 +261,15 @@ enum DeviceCell {
 
 /// What `seaway-bench device` writes of two tiles of 64 and of 128 points a side.
 std::string device_csv(const std::string& device) {
-    const std::string scene = testing::folder().write("device.toml", scene_text);
-    const std::string out = testing::folder().file("device_" + device);
+    const std::string scene = tests::folder().write("device.toml", scene_text);
+    const std::string out = tests::folder().file("device_" + device);
     // As in a fresh home: no driver has a cache there yet.
-    setenv("MESA_SHADER_CACHE_DIR", testing::folder().file("mesa_" + device).c_str(), 1);
+    setenv("MESA_SHADER_CACHE_DIR", tests::folder().file("mesa_" + device).c_str(), 1);
     const Output ran =
-        testing::run_program("seaway-bench", "device --rounds 2 --sizes 64,128 --device " + device +
-                                                 " --scene " + scene + " --out " + out);
+        tests::run_program("seaway-bench", "device --rounds 2 --sizes 64,128 --device " + device +
+                                               " --scene " + scene + " --out " + out);
     EXPECT_EQ(ran.status, 0) << ran.err;
-    return testing::read_file(out + "/device.csv");
+    return tests::read_file(out + "/device.csv");
 }
 
 double cell(const std::string& csv, const std::string& row, DeviceCell column) {
@@ -296,7 +302,8 @@ TEST_P(DeviceBench, measures_maps_of_each_size_beside_what_memory_gives) {
     expect_equal(cell(csv_, "maps,128,eight,", megabytes), 16 * 128 * 128 * 4e-6,
                  "eight maps a tile");
     EXPECT_GT(cell(csv_, "start,64,warm,", wall_ms), 0);
-    EXPECT_GT(cell(csv_, "encode,64,", wall_ms), 0);
+    for (const char* row : {"encode,64,", "encode,128,"})
+        EXPECT_GT(cell(csv_, row, wall_ms), 0);
     EXPECT_GT(cell(csv_, "bandwidth,", best_ms), 0);
     for (const char* row : {"copied,", ",cold,"})
         EXPECT_EQ(csv_.find(row) != std::string::npos, is_vulkan()) << row;
@@ -327,14 +334,14 @@ TEST_P(DeviceBench, measures_arithmetic_foam_and_readback_and_holds_transforms_a
 }
 
 TEST(Bench, device_measures_kernels_anew_and_remembers_them_in_the_cache_of_the_user) {
-    const std::string scene = testing::folder().write("retune.toml", scene_text);
-    const std::string cache = testing::folder().file("cache");
+    const std::string scene = tests::folder().write("retune.toml", scene_text);
+    const std::string cache = tests::folder().file("cache");
     const std::string before = std::getenv("XDG_CACHE_HOME") ? std::getenv("XDG_CACHE_HOME") : "";
     setenv("XDG_CACHE_HOME", cache.c_str(), 1);
     const std::string how = "device --rounds 1 --sizes 128 --retune --scene " + scene + " --out " +
-                            testing::folder().file("retuned") + " --device ";
-    const Output ran = testing::run_program("seaway-bench", how + "lavapipe");
-    const Output native = testing::run_program("seaway-bench", how + "native");
+                            tests::folder().file("retuned") + " --device ";
+    const Output ran = tests::run_program("seaway-bench", how + "lavapipe");
+    const Output native = tests::run_program("seaway-bench", how + "native");
     if (before.empty())
         unsetenv("XDG_CACHE_HOME");
     else
@@ -342,14 +349,14 @@ TEST(Bench, device_measures_kernels_anew_and_remembers_them_in_the_cache_of_the_
     ASSERT_EQ(ran.status, 0) << ran.err;
     const std::string file = cache + "/seaway/kernels.tsv";
     EXPECT_THAT(ran.out, HasSubstr(file));
-    EXPECT_THAT(testing::read_file(file), HasSubstr("\t128\tband\t"));
+    EXPECT_THAT(tests::read_file(file), HasSubstr("\t128\tband\t"));
     EXPECT_NE(native.status, 0);
     EXPECT_THAT(native.err, HasSubstr("--retune: the native device"));
 }
 
 TEST(Bench, device_says_what_it_cannot_measure_in_one_line) {
     for (const char* wish : {"--device no-such-device", "--device lavapipe --sizes 100"}) {
-        const Output ran = testing::run_program("seaway-bench", std::string("device ") + wish);
+        const Output ran = tests::run_program("seaway-bench", std::string("device ") + wish);
         EXPECT_NE(ran.status, 0) << wish;
         EXPECT_EQ(ran.error_lines(), 1) << ran.err;
     }
@@ -357,12 +364,12 @@ TEST(Bench, device_says_what_it_cannot_measure_in_one_line) {
 
 TEST(Bench, effects_refuses_an_effect_that_there_is_not_or_that_the_scene_does_not_allow) {
     const std::string scene =
-        testing::folder().write("flat.toml", scene_text + "[effects]\nfoam = false\n");
+        tests::folder().write("flat.toml", scene_text + "[effects]\nfoam = false\n");
     for (const auto& [ask, why] : {std::pair("spray", "no effect is called \"spray\""),
                                    std::pair("height,foam", "does not allow \"foam\"")}) {
         const Output ran =
-            testing::run_program("seaway-bench", std::string("effects --device native --ask ") +
-                                                     ask + " --scene " + scene);
+            tests::run_program("seaway-bench", std::string("effects --device native --ask ") + ask +
+                                                   " --scene " + scene);
         EXPECT_EQ(ran.status, 2);
         EXPECT_EQ(ran.error_lines(), 1) << ran.err;
         EXPECT_THAT(ran.err, HasSubstr(why));

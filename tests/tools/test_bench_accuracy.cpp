@@ -11,24 +11,25 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace seaway {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::Output;
+using tests::Output;
 
 const std::string few = " --states calm_shallow --points 32 --times 8 ";
 
 Output run(const std::string& folder, const std::string& arguments, int seed = 7) {
-    return testing::run_program("seaway-bench", "accuracy --out " + testing::folder().file(folder) +
-                                                    few + arguments + " --seed " +
-                                                    std::to_string(seed));
+    return tests::run_program("seaway-bench", "accuracy --out " + tests::folder().file(folder) +
+                                                  few + arguments + " --seed " +
+                                                  std::to_string(seed));
 }
 
 std::string csv(const std::string& folder) {
-    return testing::folder().file(folder + "/accuracy.csv");
+    return tests::folder().file(folder + "/accuracy.csv");
 }
 
 /// Commas inside quotes part nothing.
@@ -59,7 +60,7 @@ using Trial = std::map<std::string, double>; // figures by metric
 /// By "knob value".
 std::map<std::string, Trial> trials(const std::string& folder) {
     std::map<std::string, Trial> all;
-    const std::vector<std::string> rows = lines(testing::read_file(csv(folder)));
+    const std::vector<std::string> rows = lines(tests::read_file(csv(folder)));
     for (std::size_t i = 2; i < rows.size(); ++i) {
         const std::vector<std::string> row = fields(rows[i]);
         all[row.at(1) + ' ' + row.at(2)][row.at(3)] = std::stod(row.at(4));
@@ -70,7 +71,7 @@ std::map<std::string, Trial> trials(const std::string& folder) {
 TEST(BenchAccuracy, journal_has_its_form_and_every_trial_ends_with_done) {
     const Output ran = run("form", "--knobs format,tile");
     ASSERT_EQ(ran.status, 0) << ran.err;
-    const std::vector<std::string> rows = lines(testing::read_file(csv("form")));
+    const std::vector<std::string> rows = lines(tests::read_file(csv("form")));
     ASSERT_GT(rows.size(), 20u);
     EXPECT_EQ(
         rows[0],
@@ -94,16 +95,16 @@ TEST(BenchAccuracy, journal_has_its_form_and_every_trial_ends_with_done) {
 
 TEST(BenchAccuracy, a_stopped_run_goes_on_without_measuring_again) {
     ASSERT_EQ(run("stopped", "--knobs format").status, 0);
-    const std::string whole = testing::read_file(csv("stopped"));
+    const std::string whole = tests::read_file(csv("stopped"));
     const std::size_t second_trial = whole.find(",format,f16,");
     ASSERT_NE(second_trial, std::string::npos);
     // Stopped in the middle of a row of the second of three trials.
-    testing::folder().write("stopped/accuracy.csv", whole.substr(0, second_trial + 40));
+    tests::folder().write("stopped/accuracy.csv", whole.substr(0, second_trial + 40));
     const Output again = run("stopped", "--knobs format");
     EXPECT_EQ(again.status, 0) << again.err;
     EXPECT_THAT(again.out, HasSubstr("2 trials measured, 1 were there already"));
     const std::string first = whole.substr(0, whole.rfind('\n', second_trial));
-    const std::string now = testing::read_file(csv("stopped"));
+    const std::string now = tests::read_file(csv("stopped"));
     EXPECT_EQ(now.substr(0, first.size()), first);
     EXPECT_EQ(trials("stopped").size(), 3u);
     EXPECT_THAT(run("stopped", "--knobs format").out, HasSubstr("0 trials measured, 3 were there"));

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <set>
 #include <string>
@@ -16,6 +14,7 @@
 #include "sea/scene/scene.h"
 #include "sea/waves/realize.h"
 #include "tests/support/folder.h"
+#include "tests/support/read_file.h"
 
 namespace seaway {
 namespace {
@@ -23,9 +22,8 @@ namespace {
 const std::filesystem::path root = SEAWAY_SOURCE_DIR;
 
 std::string text_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    EXPECT_TRUE(file) << path;
-    return {std::istreambuf_iterator<char>(file), {}};
+    EXPECT_TRUE(std::filesystem::exists(path)) << path;
+    return tests::read_file(path);
 }
 
 std::vector<std::string> all_of(const std::string& text, const std::string& pattern,

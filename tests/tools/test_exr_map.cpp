@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/folder.h"
 #include "tests/support/full_disk.h"
-#include "tests/tools/program.h"
 #include "tools/exr/exr_map.h"
 
 namespace seaway::exr {
@@ -24,7 +24,7 @@ std::ptrdiff_t count_of_files(const std::string& folder) {
 
 // Naive: the piece that was written so far stays beside it.
 TEST(ExrMap, a_file_that_cannot_be_written_or_put_in_its_place_leaves_nothing) {
-    const std::string folder = testing::folder().file("exr");
+    const std::string folder = tests::folder().file("exr");
     std::filesystem::create_directories(folder + "/taken.exr/by-a-folder");
     const std::vector<float> values{1.0f, 70000.0f};
     ExrMap map;
@@ -47,7 +47,7 @@ TEST(ExrMap, a_file_that_cannot_be_written_or_put_in_its_place_leaves_nothing) {
 
 // The last bytes are written when the library closes the file, and it says nothing of them.
 TEST(ExrMap, what_does_not_fit_on_the_disk_is_an_error_to_the_last_byte) {
-    const std::string folder = testing::folder().file("full");
+    const std::string folder = tests::folder().file("full");
     std::filesystem::create_directories(folder);
     const std::vector<float> values(32 * 32, 0.5f);
     ExrMap map;

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <png.h>
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wold-style-cast"
@@ -24,13 +23,14 @@
 
 #include "sea/basics/field.h"
 #include "sea/scene/scene.h"
-#include "tests/tools/program.h"
-#include "tools/plot/canvas.h"
+#include "tests/support/program.h"
+#include "tests/tools/pixels.h"
 
 namespace seaway {
 namespace {
 
-using testing::Output;
+using testing::Pixels;
+using tests::Output;
 using Complex = std::complex<double>;
 
 const std::string scene_text = R"(
@@ -84,10 +84,10 @@ struct ArrayFile {
 };
 
 std::string draw(const std::string& device) {
-    const std::string scene = testing::folder().write("images.toml", scene_text);
-    const std::string out = testing::folder().file("images_" + device);
-    const Output ran = testing::run_program("seaway-inspect", scene + " --time 12.5 --device " +
-                                                                  device + " --images " + out);
+    const std::string scene = tests::folder().write("images.toml", scene_text);
+    const std::string out = tests::folder().file("images_" + device);
+    const Output ran = tests::run_program("seaway-inspect", scene + " --time 12.5 --device " +
+                                                                device + " --images " + out);
     EXPECT_EQ(ran.status, 0) << ran.err;
     return out + "/cascade0_";
 }
@@ -183,25 +183,6 @@ TEST(Images, every_map_of_both_devices_is_drawn_and_the_same) {
     }
 }
 
-/// A PNG as bytes.
-struct Pixels {
-    int width = 0;
-    std::vector<png_byte> rgb;
-
-    explicit Pixels(const std::string& path) {
-        png_image image{};
-        image.version = PNG_IMAGE_VERSION;
-        EXPECT_NE(png_image_begin_read_from_file(&image, path.c_str()), 0) << path;
-        image.format = PNG_FORMAT_RGB;
-        rgb.resize(PNG_IMAGE_SIZE(image));
-        EXPECT_NE(png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr), 0) << path;
-        width = static_cast<int>(image.width);
-    }
-    const png_byte* at(int x, int y) const {
-        return &rgb.at(static_cast<std::size_t>(3 * (y * width + x)));
-    }
-};
-
 // Four pixels a point, north up; red is above the middle, which is one for the Jacobian, blue below.
 TEST(Images, pictures_of_maps_show_the_numbers_beside_them) {
     const std::string stem = draw("native");
@@ -218,11 +199,11 @@ TEST(Images, pictures_of_maps_show_the_numbers_beside_them) {
                 const auto value =
                     static_cast<double>(map.first[static_cast<std::size_t>(y * size + x)]);
                 const double share = (value - middle) / largest;
-                const png_byte* at = pixels.at(4 * x + 2, 4 * (size - 1 - y) + 2);
+                const plot::Color at = pixels.at(4 * x + 2, 4 * (size - 1 - y) + 2);
                 // White is the middle; the ends are (180, 40, 30) and (20, 80, 170).
-                ASSERT_NEAR(at[0], 255 - (share < 0 ? 235 : 75) * std::abs(share), 1)
+                ASSERT_NEAR(at.red, 255 - (share < 0 ? 235 : 75) * std::abs(share), 1)
                     << name << ": " << x << ", " << y;
-                ASSERT_NEAR(at[2], 255 - (share < 0 ? 85 : 225) * std::abs(share), 1)
+                ASSERT_NEAR(at.blue, 255 - (share < 0 ? 85 : 225) * std::abs(share), 1)
                     << name << ": " << x << ", " << y;
             }
     }
@@ -244,9 +225,9 @@ TEST(Images, pictures_of_spectra_show_magnitudes_on_a_logarithmic_scale) {
             const double magnitude = std::abs(h0.at(row, column));
             const double level = magnitude > 0 ? 1 + std::log10(magnitude / largest) / 6 : 0.0;
             const plot::Color color = plot::sea_color(std::clamp(level, 0.0, 1.0));
-            const png_byte* at = pixels.at(4 * column + 2, 4 * (size - 1 - row) + 2);
-            ASSERT_NEAR(at[0], color.red, 2) << row << ", " << column;
-            ASSERT_NEAR(at[2], color.blue, 2) << row << ", " << column;
+            const plot::Color at = pixels.at(4 * column + 2, 4 * (size - 1 - row) + 2);
+            ASSERT_NEAR(at.red, color.red, 2) << row << ", " << column;
+            ASSERT_NEAR(at.blue, color.blue, 2) << row << ", " << column;
             ++seen[level <= 0 ? 0 : level < 0.7 ? 1 : 2];
         }
     for (const int count : seen)
@@ -254,9 +235,9 @@ TEST(Images, pictures_of_spectra_show_magnitudes_on_a_logarithmic_scale) {
 }
 
 TEST(Images, a_device_that_is_not_there_is_one_line) {
-    const std::string scene = testing::folder().write("images.toml", scene_text);
-    const Output ran = testing::run_program(
-        "seaway-inspect", scene + " --device nowhere --images " + testing::folder().file("none"));
+    const std::string scene = tests::folder().write("images.toml", scene_text);
+    const Output ran = tests::run_program("seaway-inspect", scene + " --device nowhere --images " +
+                                                                tests::folder().file("none"));
     EXPECT_EQ(ran.status, 2);
     EXPECT_EQ(ran.error_lines(), 1) << ran.err;
 }

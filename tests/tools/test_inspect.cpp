@@ -12,18 +12,19 @@
 #include "sea/scene/scene_names.h"
 #include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
+#include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/tools/inspect_json.h"
-#include "tests/tools/program.h"
 
 namespace seaway {
 namespace {
 
 using nlohmann::json;
-using testing::folder;
-using testing::Output;
 using testing::report_of;
-using testing::run_program;
 using testing::Table;
+using tests::folder;
+using tests::Output;
+using tests::run_program;
 
 const std::string gale = std::string(SEAWAY_SOURCE_DIR) + "/scenes/north_sea_gale.toml";
 
@@ -355,7 +356,7 @@ TEST(Inspect, plot_is_a_png_of_1200_by_700) {
     const std::string path = folder().file("gale.png");
     const Output output = run_program("seaway-inspect", gale + " --plot " + path);
     EXPECT_EQ(output.status, 0) << output.err;
-    const std::string png = testing::read_file(path);
+    const std::string png = tests::read_file(path);
     ASSERT_GT(png.size(), 30000u); // a blank picture packs into a tenth of that
     EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
     const auto number_at = [&png](std::size_t at) {

@@ -8,42 +8,20 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <png.h>
 
 #include "sea/scene/scene.h"
 #include "sea/waves/statistics/moments.h"
-#include "tests/tools/program.h"
-#include "tools/plot/canvas.h"
+#include "tests/support/program.h"
+#include "tests/tools/pixels.h"
 
 namespace seaway {
 namespace {
 
 using plot::Color;
-using testing::folder;
+using testing::Pixels;
+using tests::folder;
 
 using sea::two_pi;
-
-struct Pixels {
-    int width = 0, height = 0;
-    std::vector<png_byte> rgb;
-
-    explicit Pixels(const std::string& path) {
-        png_image image{};
-        image.version = PNG_IMAGE_VERSION;
-        if (png_image_begin_read_from_file(&image, path.c_str()) == 0)
-            return;
-        image.format = PNG_FORMAT_RGB;
-        width = static_cast<int>(image.width);
-        height = static_cast<int>(image.height);
-        rgb.resize(PNG_IMAGE_SIZE(image));
-        png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr);
-    }
-    Color at(double x, double y) const {
-        const auto i =
-            static_cast<std::size_t>(3 * (static_cast<int>(y) * width + static_cast<int>(x)));
-        return {rgb.at(i), rgb.at(i + 1), rgb.at(i + 2)};
-    }
-};
 
 /// As it is seen over white.
 Color over_white(Color color) {
@@ -70,7 +48,7 @@ struct Drawn {
 Drawn draw(const std::string& name, const std::string& text) {
     const std::string path = folder().write(name + ".toml", text);
     const std::string png = folder().file(name + ".png");
-    const testing::Output ran = testing::run_program("seaway-inspect", path + " --plot " + png);
+    const tests::Output ran = tests::run_program("seaway-inspect", path + " --plot " + png);
     EXPECT_EQ(ran.status, 0) << ran.err;
     sea::Scene scene = sea::read_scene(path).value();
     sea::Realization sea = sea::realize(scene).value();
@@ -120,7 +98,7 @@ length_m = 500.0
 size = 64
 )");
     const std::string path = folder().file("nothing.png");
-    const testing::Output ran = testing::run_program("seaway-inspect", scene + " --plot " + path);
+    const tests::Output ran = tests::run_program("seaway-inspect", scene + " --plot " + path);
     EXPECT_EQ(ran.status, 0) << ran.err;
     EXPECT_EQ(ran.err, "");
     EXPECT_EQ(Pixels(path).width, 1200);

@@ -14,16 +14,16 @@
 #include "sea/scene/scene.h"
 #include "sea/surface/answer.h"
 #include "tests/support/airy_waves.h"
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
 namespace seaway {
 namespace {
 
 using Real = long double;
 using Complex = std::complex<Real>;
-using testing::folder;
-using testing::Output;
-using testing::run_program;
+using tests::folder;
+using tests::Output;
+using tests::run_program;
 
 constexpr Real turn_rad = 2.0L * std::numbers::pi_v<Real>;
 
@@ -337,13 +337,10 @@ TEST(InspectPoints, no_rows_give_the_header_alone) {
 
 // A folder is opened as a file is, and cannot be read. Naive: std::cin says that it ended, and no rows are all that were asked for.
 TEST(InspectPoints, that_cannot_be_read_to_their_end_are_an_error) {
-    const std::string said = folder().file("said"), scene = folder().write("sea.toml", two_swells);
-    const int status = std::system((std::string(SEAWAY_BIN_DIR) + "/seaway-inspect " + scene +
-                                    " --eval - < / > /dev/null 2> " + said)
-                                       .c_str());
-    EXPECT_EQ(WEXITSTATUS(status), 2);
-    EXPECT_NE(testing::read_file(said).find("standard input:1: cannot be read to its end"),
-              std::string::npos);
+    const std::string scene = folder().write("sea.toml", two_swells);
+    const Output output = run_program("seaway-inspect", scene + " --eval - </");
+    EXPECT_EQ(output.status, 2);
+    EXPECT_NE(output.err.find("standard input:1: cannot be read to its end"), std::string::npos);
 }
 
 } // namespace

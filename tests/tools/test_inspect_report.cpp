@@ -17,17 +17,17 @@
 #include "sea/scene/scene_warnings.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/waves/statistics/moments.h"
+#include "tests/support/program.h"
 #include "tests/tools/inspect_json.h"
-#include "tests/tools/program.h"
 
 namespace seaway {
 namespace {
 
 using nlohmann::json;
-using testing::folder;
-using testing::Output;
 using testing::report_of;
-using testing::run_program;
+using tests::folder;
+using tests::Output;
+using tests::run_program;
 
 constexpr double degrees = 180.0 / sea::pi;
 

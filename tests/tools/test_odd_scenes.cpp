@@ -17,16 +17,16 @@
 #include <sys/stat.h>
 
 #include "client/client.h"
+#include "tests/support/program.h"
 #include "tests/support/server_process.h"
-#include "tests/tools/program.h"
 
 namespace seaway {
 namespace {
 
-using testing::folder;
 using ::testing::HasSubstr;
-using testing::Output;
-using testing::run_program;
+using tests::folder;
+using tests::Output;
+using tests::run_program;
 
 const std::string odd_scenes = std::string(SEAWAY_SOURCE_DIR) + "/tests/data/odd_scenes/";
 const std::string small_scene = odd_scenes + "wind_of_zero.toml";
@@ -131,26 +131,24 @@ TEST(OddScenes, a_pipe_and_an_endless_device_are_refused_at_once) {
     expect_one_line(run_program("seaway-inspect", deep), {"deep", 2, "a key of more than 8 parts"});
 }
 
-/// The status of a program whose standard output cannot be written.
-int status_into_full_disk(const std::string& name, const std::string& arguments) {
-    const std::string command = std::string(SEAWAY_BIN_DIR) + "/" + name + " " + arguments +
-                                " >/dev/full 2>" + folder().file("stderr");
-    const int status = std::system(command.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+/// Of a program whose standard output cannot be written.
+Output into_full_disk(const std::string& name, const std::string& arguments) {
+    return run_program(name, arguments + " >/dev/full");
 }
 
 TEST(OddScenes, a_full_disk_behind_standard_output_is_an_error) {
     for (const char* arguments : {"", " --format json", " --spectrum 0.5"}) {
-        EXPECT_EQ(status_into_full_disk("seaway-inspect", small_scene + arguments), 2) << arguments;
-        EXPECT_THAT(testing::read_file(folder().file("stderr")), HasSubstr("standard output"));
+        const Output output = into_full_disk("seaway-inspect", small_scene + arguments);
+        EXPECT_EQ(output.status, 2) << arguments;
+        EXPECT_THAT(output.err, HasSubstr("standard output"));
     }
     for (const char* program : {"seaway-inspect", "seaway-bake"})
         for (const char* flag : {"--help", "--version"})
-            EXPECT_NE(status_into_full_disk(program, flag), 0) << program << ' ' << flag;
-    EXPECT_NE(status_into_full_disk("seaway-bake", small_scene +
-                                                       " --device native --frames 1 "
-                                                       "--fps 1 --out " +
-                                                       folder().file("baked")),
+            EXPECT_NE(into_full_disk(program, flag).status, 0) << program << ' ' << flag;
+    EXPECT_NE(into_full_disk("seaway-bake", small_scene +
+                                                " --device native --frames 1 --fps 1 --out " +
+                                                folder().file("baked"))
+                  .status,
               0);
 }
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tests/tools/program.h"
+#include "tests/support/folder.h"
 #include "tools/plot/lettering.h"
 #include "tools/plot/plot.h"
 
@@ -148,7 +148,7 @@ TEST(Plot, values_that_an_axis_cannot_show_are_left_out) {
 }
 
 TEST(Plot, picture_that_cannot_be_written_is_an_error_with_its_name) {
-    const Result<void> written = Canvas(10, 10).write_png(testing::folder().file("no/p.png"));
+    const Result<void> written = Canvas(10, 10).write_png(tests::folder().file("no/p.png"));
     ASSERT_FALSE(written);
     EXPECT_NE(written.error().message.find("no/p.png"), std::string::npos);
 }

@@ -6,9 +6,9 @@
 
 #include "base/messages.h"
 #include "base/processors.h"
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
-namespace seaway::testing {
+namespace seaway::tests {
 namespace {
 
 /// A scene of three tiles as large as tiles may be: 200 MB of waves and more, where 150 are given.
@@ -52,4 +52,4 @@ TEST(ScarceMemory, threads_that_have_no_stack_are_named) {
 }
 
 } // namespace
-} // namespace seaway::testing
+} // namespace seaway::tests

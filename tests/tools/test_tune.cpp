@@ -8,13 +8,11 @@
 #include <string>
 #include <vector>
 
-#include <unistd.h>
-
 #include <gmock/gmock.h>
 
 #include <fmt/format.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 #include "tools/bench/accuracy/measure/laws.h"
 #include "tools/bench/accuracy/seas/sea_states.h"
 #include "tools/bench/tune/total_error.h"
@@ -56,9 +54,7 @@ class FormulaPrices final : public Prices {
 class Tune : public ::testing::Test {
   protected:
     Tune() {
-        options.folder =
-            (std::filesystem::temp_directory_path() / fmt::format("seaway-tune-{}", getpid()))
-                .string();
+        options.folder = tests::folder().fresh("tune");
         options.sampling = {64, 8, false};
         space.sizes = {64, 128};
         space.k_ends_radpm = {0.7, 1.4, 2.8, 4.0, 5.6};
@@ -66,7 +62,6 @@ class Tune : public ::testing::Test {
         space.finest_divisors = {1};
         space.height_errors_m = {0.01, 0.03, 0.1, 0.3};
     }
-    ~Tune() override { std::filesystem::remove_all(options.folder); }
 
     Outcome tuned(const sea::Scene& scene, const Target& target) {
         const Result<Outcome> outcome = tune(scene, target, space, options, prices, devices);
@@ -201,8 +196,8 @@ TEST_F(Tune, the_stream_that_is_priced_is_the_one_that_line_counts_for_a_client_
     ASSERT_TRUE((*sea)->go_to(sample_time_us(1)));
     const auto price = (*stages)->of(**sea);
     ASSERT_TRUE(price) << price.error().message;
-    const testing::Output line =
-        testing::run_program("seaway-bench", "line --keyframes 4 --scene " + path);
+    const tests::Output line =
+        tests::run_program("seaway-bench", "line --keyframes 4 --scene " + path);
     ASSERT_EQ(line.status, 0) << line.err;
     const std::size_t unit = line.out.find(" Mbit/s, one whole");
     ASSERT_NE(unit, std::string::npos) << line.out;

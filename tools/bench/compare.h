@@ -6,11 +6,12 @@
 #include <string>
 
 #include "base/result.h"
+#include "tools/bench/usual_scene.h"
 
 namespace seaway::bench {
 
 struct CompareOptions {
-    std::string scene = "scenes/north_sea_gale.toml";
+    std::string scene = usual_scene();
     std::string first = "llvmpipe"; ///< a device as --device takes it
     std::string second = "native";
     int rounds = 20; ///< keyframes of every cascade that are timed on each, in turns

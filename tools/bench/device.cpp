@@ -197,6 +197,42 @@ Result<void> measure_fftw(const DeviceOptions& options, Fftw& fftw, const Row& o
     return {};
 }
 
+/// In parts, as messages carry it.
+Result<void> encode(std::span<const float> map, int size, float bound) {
+    const int side = std::min(size, protocol::limits::tile_side_max);
+    const auto stride = static_cast<std::size_t>(size);
+    for (int y = 0; y < size; y += side)
+        for (int x = 0; x < size; x += side)
+            SEAWAY_TRY(protocol::encode_tile(map.subspan(static_cast<std::size_t>(y * size + x)),
+                                             {side, side}, stride, bound));
+    return {};
+}
+
+/// All fields of a keyframe of the longest tile, as a subscriber of the whole budget takes them.
+Result<Row> measure_encode(const DeviceOptions& options, const server::RunningSea& sea,
+                           server::Synthesizer& device, int size) {
+    const FieldSet fields = sea.sampler_fields();
+    const server::KeyframeRequest request{0, begin_us, fields};
+    SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
+    const std::vector<float> bounds =
+        sea::codec_bounds(sea.budget, fields, 0, sea.budget.codec_error_m);
+    std::vector<double> seconds;
+    for (int i = 0; i <= options.rounds; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        std::size_t f = 0;
+        for (const Field field : fields)
+            SEAWAY_TRY(encode(std::as_const(*made[0]).plane(field), size, bounds[f++]));
+        if (i > 0)
+            seconds.push_back(seconds_since(start));
+    }
+    return Row{"encode",
+               "a sampler's",
+               size,
+               0,
+               median(seconds),
+               static_cast<double>(fields.size() * size * size) * sizeof(float)};
+}
+
 Result<void> measure_size(const DeviceOptions& options, Bench& bench, int size,
                           std::vector<Row>& rows) {
     SEAWAY_TRY_LET(const server::RunningSeaPtr sea, sea_of(options.scene, size));
@@ -232,34 +268,9 @@ Result<void> measure_size(const DeviceOptions& options, Bench& bench, int size,
         if (bench.fftw)
             SEAWAY_TRY(measure_fftw(options, *bench.fftw, one.row, rows));
     }
+    SEAWAY_TRY_LET(const Row encoded, measure_encode(options, *sea, *bench.device, size));
+    rows.push_back(encoded);
     return {};
-}
-
-/// All fields of a keyframe of the longest tile, as a subscriber of the whole budget takes them.
-Result<Row> measure_encode(const DeviceOptions& options, server::Synthesizer& device, int size) {
-    SEAWAY_TRY_LET(const server::RunningSeaPtr sea, sea_of(options.scene, size));
-    SEAWAY_TRY(device.set_sea(sea->realization, 1));
-    const FieldSet fields = sea->sampler_fields();
-    const server::KeyframeRequest request{0, begin_us, fields};
-    SEAWAY_TRY_LET(const auto made, device.synthesize({&request, 1}));
-    const std::vector<float> bounds =
-        sea::codec_bounds(sea->budget, fields, 0, sea->budget.codec_error_m);
-    std::vector<double> seconds;
-    for (int i = 0; i <= options.rounds; ++i) {
-        const auto start = std::chrono::steady_clock::now();
-        std::size_t f = 0;
-        for (const Field field : fields)
-            SEAWAY_TRY(protocol::encode_tile(std::as_const(*made[0]).plane(field), {size, size},
-                                             static_cast<std::size_t>(size), bounds[f++]));
-        if (i > 0)
-            seconds.push_back(seconds_since(start));
-    }
-    return Row{"encode",
-               "a sampler's",
-               size,
-               0,
-               median(seconds),
-               static_cast<double>(fields.size() * size * size) * sizeof(float)};
 }
 
 Result<Row> measure_start(const DeviceOptions& options, int size, bool cold) {
@@ -399,10 +410,6 @@ Result<void> run_device(const DeviceOptions& options) {
     SEAWAY_TRY_LET(Bench bench, open(options, choice, rows));
     for (const int size : options.sizes)
         SEAWAY_TRY(measure_size(options, bench, size, rows));
-    SEAWAY_TRY_LET(const Row encoded, measure_encode(options, *bench.device,
-                                                     std::min(options.sizes.front(),
-                                                              protocol::limits::tile_side_max)));
-    rows.push_back(encoded);
     std::string csv = fmt::format(
         "# seaway-bench device on {}; {}; {}; commit {}\n", bench.device->description(),
         bench.fftw ? bench.fftw->name() : "without FFTW", machine_name(), commit_name());

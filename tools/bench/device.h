@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "base/result.h"
+#include "tools/bench/usual_scene.h"
 
 namespace seaway::bench {
 
 struct DeviceOptions {
-    std::string scene = "scenes/north_sea_gale.toml";
+    std::string scene = usual_scene();
     std::string device = "auto"; ///< auto | native | index or part of a name
     std::vector<int> sizes{128, 256, 512};
     int rounds = 15;

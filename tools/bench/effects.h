@@ -12,11 +12,12 @@
 
 #include "base/result.h"
 #include "sea/basics/field.h"
+#include "tools/bench/usual_scene.h"
 
 namespace seaway::bench {
 
 struct EffectsOptions {
-    std::string scene = "scenes/north_sea_gale.toml";
+    std::string scene = usual_scene();
     std::string device = "auto";  ///< auto | native | index or part of a name
     std::vector<std::string> ask; ///< effects, as height,choppy; empty: all that the scene allows
     std::string out = "out/bench";

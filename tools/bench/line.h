@@ -8,11 +8,12 @@
 
 #include "base/result.h"
 #include "client/tile_limits.h"
+#include "tools/bench/usual_scene.h"
 
 namespace seaway::bench {
 
 struct LineOptions {
-    std::string scene = "scenes/north_sea_gale.toml";
+    std::string scene = usual_scene();
     std::string device = "native"; ///< as --device takes it
     double error_m = 0.01;         ///< what the client asks for
     std::vector<std::string>

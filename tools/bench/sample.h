@@ -6,11 +6,12 @@
 #include <string>
 
 #include "base/result.h"
+#include "tools/bench/usual_scene.h"
 
 namespace seaway::bench {
 
 struct SampleOptions {
-    std::string scene = "scenes/north_sea_gale.toml";
+    std::string scene = usual_scene();
     double seconds = 1;          ///< that each row is measured for
     int points = 0;              ///< rows of so many at once alone; 0: all rows
     std::string kernel = "best"; ///< or portable

@@ -6,11 +6,12 @@
 #include <string>
 
 #include "base/result.h"
+#include "tools/bench/usual_scene.h"
 
 namespace seaway::bench {
 
 struct SpectrumOptions {
-    std::string scene = "scenes/north_sea_gale.toml";
+    std::string scene = usual_scene();
     double error_m = 0.01; ///< what the client asks for
     double slope_error = 0.005;
     int times = 1000; ///< over 24 h

@@ -110,7 +110,7 @@ TEST(Clock,
         ClockFilter clock;
         sea::TimeUs shown_us = std::numeric_limits<sea::TimeUs>::min();
         LocalUs next_us = 0;
-        int pings = 0;
+        std::uint32_t pings = 0;
         struct Reply {
             LocalUs sent_us, received_us;
             sea::TimeUs sea_us;
@@ -120,11 +120,7 @@ TEST(Clock,
             if (now_us >= next_us) {
                 const LocalUs there_us = now_us + way_us(false);
                 under_way.push_back({now_us, there_us + way_us(true), link.sea_time(there_us)});
-                ++pings; // as connection.cpp sends them
-                next_us = now_us + (pings < 8     ? second_us / 20
-                                    : pings < 48  ? second_us / 10
-                                    : pings < 100 ? second_us / 2
-                                                  : second_us);
+                next_us = now_us + pause_after_ping_us(++pings);
             }
             std::erase_if(under_way, [&](const Reply& reply) {
                 if (reply.received_us > now_us)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connections that do not come about: names that nobody knows in time, servers that decline for a while.
+// Connections that do not come about: names that nobody knows in time or that have moved, servers that decline for a while.
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <stop_token>
@@ -10,13 +11,15 @@
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <netdb.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "client/client.h"
 #include "client/link/failure.h"
 #include "client/link/message_stream.h"
 #include "protocol/limits.h"
+#include "tests/client/wave_server.h"
+#include "tests/support/listener.h"
 
 namespace {
 
@@ -33,6 +36,10 @@ Hanging& hanging() {
     return *all;
 }
 
+/// A name that is another machine's, 127.0.0.2, from the second look at it on.
+constexpr std::string_view moving = "moving.example";
+std::atomic<int> looks_at_moving = 0;
+
 } // namespace
 
 /// In place of the system's, for this program.
@@ -40,6 +47,8 @@ extern "C" int getaddrinfo(const char* host, const char* port, const addrinfo* h
                            addrinfo** found) {
     using Ask = int (*)(const char*, const char*, const addrinfo*, addrinfo**);
     static const auto real = reinterpret_cast<Ask>(dlsym(RTLD_NEXT, "getaddrinfo"));
+    if (host != nullptr && host == moving)
+        return real(looks_at_moving++ == 0 ? "127.0.0.1" : "127.0.0.2", port, hints, found);
     if (host == nullptr || host != unanswered)
         return real(host, port, hints, found);
     Hanging& here = hanging();
@@ -104,37 +113,23 @@ TEST_F(OpeningTest, who_is_told_to_stop_does_not_wait_for_a_name) {
 /// The port of one that answers the first request with these words.
 class Declining {
   public:
-    explicit Declining(std::string words)
-        : words_(std::move(words)), listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        socklen_t size = sizeof address;
-        EXPECT_EQ(::bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
-        EXPECT_EQ(::listen(listener_, 1), 0);
-        const timeval patience{60, 0};
-        ::setsockopt(listener_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-        ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size);
-        port = ntohs(address.sin_port);
+    explicit Declining(std::string words) : words_(std::move(words)) {
         answers_ = std::thread([this] {
-            const int peer = ::accept(listener_, nullptr, nullptr);
+            const int peer = listener_.accept();
             std::string asked(4096, '\0');
             EXPECT_GT(::recv(peer, asked.data(), asked.size(), 0), 0);
             EXPECT_GT(::send(peer, words_.data(), words_.size(), 0), 0);
             ::close(peer);
         });
     }
-    ~Declining() {
-        answers_.join();
-        ::close(listener_);
-    }
+    ~Declining() { answers_.join(); }
     Declining(const Declining&) = delete;
     Declining& operator=(const Declining&) = delete;
-    int port = 0;
+    int port() const { return listener_.port(); }
 
   private:
     const std::string words_;
-    const int listener_;
+    const tests::Listener listener_;
     std::thread answers_;
 };
 
@@ -144,11 +139,46 @@ TEST_F(OpeningTest, a_server_that_declines_for_a_while_is_left_for_that_long_and
          {std::pair("7", 7000u), std::pair("86400", protocol::limits::retry_after_ms_max)}) {
         const Declining server(std::string("HTTP/1.1 503 Service Unavailable\r\nRetry-After: ") +
                                says + "\r\nContent-Length: 0\r\n\r\n");
-        const auto stream = open_websocket(
-            {.host = "127.0.0.1", .port = std::to_string(server.port)}, {.connect_timeout_s = 60});
+        const auto stream =
+            open_websocket({.host = "127.0.0.1", .port = std::to_string(server.port())},
+                           {.connect_timeout_s = 60});
         ASSERT_FALSE(stream);
         EXPECT_EQ(failure_of(stream.error()), Failure::cannot_connect) << "which passes";
         EXPECT_EQ(stream.error().retry_after_ms, retry_after_ms);
+    }
+}
+
+/// Of this name, at this address and port.
+auto serve_moving(const std::string& at, server::Host& sea) {
+    auto server =
+        server::NetServer::start({.listen = at,
+                                  .allowed_origins = {"http://" + std::string(moving)},
+                                  .idle_timeout = std::chrono::minutes(5), // as tests::serve()
+                                  .write_timeout = std::chrono::minutes(5)},
+                                 sea);
+    EXPECT_TRUE(server) << server.error().message;
+    return std::move(*server);
+}
+
+// Naive: the address is looked up once, and who comes back calls a machine that has handed its name on.
+TEST(Opening, who_comes_back_looks_its_name_up_anew) {
+    for (const bool threadless : {false, true}) {
+        looks_at_moving = 0;
+        tests::WaveSea sea, sea_elsewhere;
+        auto here = serve_moving("127.0.0.1:0", sea);
+        const std::string port = std::to_string(here->port());
+        const auto elsewhere = serve_moving("127.0.0.2:" + port, sea_elsewhere);
+        const auto client = Client::connect({.url = "ws://" + std::string(moving) + ":" + port,
+                                             .timeout_s = 60,
+                                             .threadless = threadless});
+        ASSERT_TRUE(client) << client.error().message;
+        here.reset();
+        EXPECT_TRUE(tests::eventually([&] {
+            if (threadless)
+                (*client)->work_until(std::chrono::steady_clock::now(), [] { return false; });
+            return (*client)->status().connections == 2;
+        })) << looks_at_moving
+            << " looks";
     }
 }
 

@@ -1,79 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 // wss://: a server is trusted by its certificate and name, or not at all.
-#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <openssl/evp.h>
-#include <openssl/pem.h>
-#include <openssl/x509v3.h>
 #include <unistd.h>
 
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "server/net/server.h"
 #include "tests/client/wave_sea.h"
+#include "tests/support/certificate.h"
+#include "tests/support/listener.h"
 
 namespace seaway::client {
 namespace {
 
-/// A fresh self-signed certificate and its key in a folder of their own.
-class Certificate {
-  public:
-    explicit Certificate(const std::string& names) {
-        char folder[] = "/tmp/seaway-tls-XXXXXX";
-        folder_ = mkdtemp(folder);
-        const std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)> key(EVP_EC_gen("P-256"),
-                                                                      EVP_PKEY_free);
-        const std::unique_ptr<X509, decltype(&X509_free)> x509(X509_new(), X509_free);
-        X509_set_version(x509.get(), X509_VERSION_3);
-        ASN1_INTEGER_set(X509_get_serialNumber(x509.get()), 1);
-        X509_gmtime_adj(X509_getm_notBefore(x509.get()), -3600);
-        X509_gmtime_adj(X509_getm_notAfter(x509.get()), 86400);
-        X509_set_pubkey(x509.get(), key.get());
-        X509_NAME* subject = X509_get_subject_name(x509.get());
-        const unsigned char common_name[] = "seaway test";
-        X509_NAME_add_entry_by_txt(subject, "CN", MBSTRING_ASC, common_name, -1, -1, 0);
-        X509_set_issuer_name(x509.get(), subject);
-        add(x509.get(), NID_subject_alt_name, names);
-        add(x509.get(), NID_basic_constraints, "critical,CA:TRUE");
-        X509_sign(x509.get(), key.get(), EVP_sha256());
-        std::FILE* file = std::fopen(cert_file().c_str(), "w");
-        PEM_write_X509(file, x509.get());
-        std::fclose(file);
-        file = std::fopen(key_file().c_str(), "w");
-        PEM_write_PrivateKey(file, key.get(), nullptr, nullptr, 0, nullptr, nullptr);
-        std::fclose(file);
-    }
-    ~Certificate() { std::filesystem::remove_all(folder_); }
-    Certificate(const Certificate&) = delete;
-    Certificate& operator=(const Certificate&) = delete;
-
-    std::string cert_file() const { return folder_ + "/cert.pem"; }
-    std::string key_file() const { return folder_ + "/key.pem"; }
-
-  private:
-    static void add(X509* x509, int kind, const std::string& value) {
-        X509_EXTENSION* extension = X509V3_EXT_conf_nid(nullptr, nullptr, kind, value.c_str());
-        X509_add_ext(x509, extension, -1);
-        X509_EXTENSION_free(extension);
-    }
-
-    std::string folder_;
-};
+using tests::Certificate;
 
 std::unique_ptr<server::NetServer> serve(tests::WaveSea& sea, const Certificate& certificate) {
     server::NetOptions options;
     options.listen = "127.0.0.1:0";
-    options.tls_cert_file = certificate.cert_file();
-    options.tls_key_file = certificate.key_file();
+    options.tls_cert_file = certificate.cert_file;
+    options.tls_key_file = certificate.key_file;
     auto started = server::NetServer::start(options, sea);
     EXPECT_TRUE(started) << started.error().message;
     return started ? std::move(*started) : nullptr;
@@ -81,13 +34,13 @@ std::unique_ptr<server::NetServer> serve(tests::WaveSea& sea, const Certificate&
 
 TEST(Tls, a_server_with_a_trusted_certificate_answers) {
     tests::WaveSea sea;
-    const Certificate certificate("IP:127.0.0.1");
+    const Certificate certificate;
     const auto net = serve(sea, certificate);
     ASSERT_TRUE(net);
     ASSERT_TRUE(net->url().starts_with("wss://"));
     for (const bool threadless : {false, true}) {
         const auto client = Client::connect(
-            {.url = net->url(), .ca_file = certificate.cert_file(), .threadless = threadless});
+            {.url = net->url(), .ca_file = certificate.cert_file, .threadless = threadless});
         ASSERT_TRUE(client) << client.error().message;
         const sea::QueryPoint point{1, 2, 3'000'000};
         const auto local = (*client)->fetch_and_sample({&point, 1}, 10);
@@ -98,11 +51,11 @@ TEST(Tls, a_server_with_a_trusted_certificate_answers) {
 
 TEST(Tls, a_server_that_nobody_vouches_for_is_refused) {
     tests::WaveSea sea;
-    const Certificate certificate("IP:127.0.0.1");
-    const Certificate another("IP:127.0.0.1");
+    const Certificate certificate;
+    const Certificate another;
     const auto net = serve(sea, certificate);
     ASSERT_TRUE(net);
-    for (const std::string& trusted : {std::string(), another.cert_file()})
+    for (const std::string& trusted : {std::string(), another.cert_file})
         for (const bool threadless : {false, true}) {
             const auto client =
                 Client::connect({.url = net->url(), .ca_file = trusted, .threadless = threadless});
@@ -118,14 +71,14 @@ TEST(Tls, a_certificate_for_another_name_is_refused) {
     const Certificate certificate("DNS:elsewhere.example");
     const auto net = serve(sea, certificate);
     ASSERT_TRUE(net);
-    const auto client = Client::connect({.url = net->url(), .ca_file = certificate.cert_file()});
+    const auto client = Client::connect({.url = net->url(), .ca_file = certificate.cert_file});
     ASSERT_FALSE(client);
     EXPECT_EQ(failure_of(client.error()), Failure::cannot_connect);
 }
 
 TEST(Tls, ws_to_a_tls_port_and_wss_to_a_plain_one_cannot_connect) {
     tests::WaveSea sea;
-    const Certificate certificate("IP:127.0.0.1");
+    const Certificate certificate;
     const auto net = serve(sea, certificate);
     ASSERT_TRUE(net);
     const auto plain = Client::connect({.url = "ws" + net->url().substr(3)});
@@ -150,23 +103,13 @@ TEST(Tls, a_certificate_file_that_cannot_be_read_is_named) {
 
 /// What a client says first to a server under this name, which then closes.
 std::string first_words(const std::string& host) {
-    const int listener = ::socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
-    const timeval patience{60, 0}; // of accept(), too: whoever cannot connect is no hang
-    ::setsockopt(listener, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    EXPECT_EQ(::listen(listener, 1), 0);
-    EXPECT_EQ(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    const std::string url = "wss://" + host + ":" + std::to_string(ntohs(address.sin_port));
+    const tests::Listener listener;
+    const std::string url = "wss://" + host + ":" + std::to_string(listener.port());
     std::thread connects([&] { EXPECT_FALSE(Client::connect({.url = url, .timeout_s = 60})); });
-    const int peer = ::accept(listener, nullptr, nullptr);
+    const int peer = listener.accept();
     std::string words(4096, '\0');
     const ssize_t read = ::recv(peer, words.data(), words.size(), 0);
     ::close(peer);
-    ::close(listener);
     connects.join();
     words.resize(static_cast<std::size_t>(std::max<ssize_t>(read, 0)));
     return words;

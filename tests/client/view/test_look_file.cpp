@@ -16,6 +16,7 @@
 #include "client/view/look_keys.h"
 #include "client/view/view_sky.h"
 #include "tests/support/folder.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::client {
 namespace {
@@ -32,11 +33,6 @@ Look look_of(const std::string& text) {
     const Result<Look> look = parse_look(text, "l.toml", "");
     EXPECT_TRUE(look) << (look ? "" : look.error().message);
     return look ? *look : Look{};
-}
-
-std::string page_text(const char* path) {
-    std::ifstream file(std::filesystem::path(SEAWAY_SOURCE_DIR) / path);
-    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(LookFile, an_empty_one_is_the_default_look) {
@@ -260,8 +256,7 @@ TEST(LookFile, a_picture_of_the_sky_is_looked_for_beside_the_look) {
     ASSERT_TRUE(write_look(*look, tests::folder().file("moved.toml")));
     EXPECT_EQ(read_look(tests::folder().file("moved.toml"))->environment, look->environment);
     ASSERT_TRUE(write_look(*look, folder + "/again.toml"));
-    std::ifstream again(folder + "/again.toml");
-    EXPECT_THAT(std::string(std::istreambuf_iterator<char>(again), {}),
+    EXPECT_THAT(tests::read_file(folder + "/again.toml"),
                 HasSubstr("environment = \"exr/h.exr\"\n"));
     EXPECT_THAT(look_error("[sky]\nenvironment = \"\""), HasSubstr("sky.environment: \"\""));
     EXPECT_THAT(look_error("[sky]\nenvironment = 'a\"b'"), HasSubstr("without quotes"));
@@ -328,7 +323,7 @@ TEST(LookFile, a_look_says_how_a_window_and_a_bench_show_it) {
 }
 
 TEST(LookFile, the_page_lists_every_key_with_its_range_and_meaning) {
-    const std::string page = page_text("docs/view.md");
+    const std::string page = tests::read_file(SEAWAY_SOURCE_DIR "/docs/view.md");
     for (const LookKey& row : look_keys()) {
         const std::string line = fmt::format("| `{}` | `{}` | {} | {} |\n", row.table, row.key,
                                              allowed(row), row.meaning);

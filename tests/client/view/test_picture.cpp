@@ -16,11 +16,11 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "base/text_file.h"
 #include "client/view/picture.h"
 #include "client/view/view_options.h"
 #include "tests/support/folder.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::client {
 namespace {
@@ -107,22 +107,17 @@ TEST(Picture, an_exr_of_a_view_of_numbers_says_where_there_is_one_and_of_what) {
     EXPECT_EQ(text(radiance, "seaway.time_us"), "2");
 }
 
-std::string bytes_of(const std::string& path) {
-    const Result<std::string> bytes = read_text_file(path, 1 << 20);
-    return bytes ? *bytes : bytes.error().message;
-}
-
 TEST(Picture, an_exr_that_does_not_fit_is_an_error_to_the_last_byte_and_the_one_before_stays) {
     const std::string path = tests::folder().file("full.exr");
     ASSERT_TRUE(write_exr(ramp(), path));
-    const std::string before = bytes_of(path);
+    const std::string before = tests::read_file(path);
     const std::size_t whole = std::filesystem::file_size(path);
     for (const std::size_t missing : {std::size_t{1}, std::size_t{64}, whole}) {
         const Result<void> written =
             tests::on_full_disk(whole - missing, [&] { return write_exr(ramp(), path); });
         ASSERT_FALSE(written) << missing;
         EXPECT_THAT(written.error().message, testing::HasSubstr(path));
-        EXPECT_EQ(bytes_of(path), before) << missing;
+        EXPECT_EQ(tests::read_file(path), before) << missing;
         EXPECT_FALSE(std::filesystem::exists(path + ".part")) << missing;
     }
 }
@@ -130,13 +125,13 @@ TEST(Picture, an_exr_that_does_not_fit_is_an_error_to_the_last_byte_and_the_one_
 TEST(Picture, a_png_that_does_not_fit_leaves_the_one_before) {
     const std::string path = tests::folder().file("full.png");
     ASSERT_TRUE(write_png({1, 1, {1, 2, 3, 255}}, path));
-    const std::string before = bytes_of(path);
+    const std::string before = tests::read_file(path);
     const auto white = [&] { return write_png({1, 1, {255, 255, 255, 255}}, path); };
     EXPECT_FALSE(tests::on_full_disk(before.size() - 1, white));
-    EXPECT_EQ(bytes_of(path), before);
+    EXPECT_EQ(tests::read_file(path), before);
     EXPECT_FALSE(std::filesystem::exists(path + ".part"));
     EXPECT_TRUE(white());
-    EXPECT_NE(bytes_of(path), before);
+    EXPECT_NE(tests::read_file(path), before);
 }
 
 // Naive: it is opened for writing, and waits for somebody who reads.

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-view as its users run it, against the real net server over a sea of known waves.
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -21,28 +18,16 @@
 #include "client/view/sky/sky.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/folder.h"
+#include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::client {
 namespace {
 
-struct Outcome {
-    int code = -1;
-    std::string text; ///< stdout and stderr
-};
+using tests::Output;
 
-Outcome run(const std::string& arguments) {
-    Outcome outcome;
-    const std::string command = SEAWAY_BIN_DIR "/seaway-view " + arguments + " 2>&1";
-    FILE* pipe = popen(command.c_str(), "r");
-    std::array<char, 256> line{};
-    while (fgets(line.data(), line.size(), pipe) != nullptr)
-        outcome.text += line.data();
-    outcome.code = WEXITSTATUS(pclose(pipe));
-    return outcome;
-}
-
-long lines_of(const std::string& text) {
-    return std::count(text.begin(), text.end(), '\n');
+Output run(const std::string& arguments) {
+    return tests::run_program("seaway-view", arguments);
 }
 
 Picture read_exr(const std::string& path, int width, int height) {
@@ -60,21 +45,16 @@ Picture read_exr(const std::string& path, int width, int height) {
     return picture;
 }
 
-std::string bytes_of(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST(ViewProgram, lists_its_debug_views) {
-    const Outcome outcome = run("--list-debug");
-    EXPECT_EQ(outcome.code, 0);
+    const Output outcome = run("--list-debug");
+    EXPECT_EQ(outcome.status, 0);
     for (const char* name : {"final", "height", "normal", "jacobian", "foam", "cascade"})
-        EXPECT_THAT(outcome.text, testing::HasSubstr(name));
+        EXPECT_THAT(outcome.said(), testing::HasSubstr(name));
 }
 
 TEST(ViewProgram, a_full_disk_behind_standard_output_is_an_error) {
-    EXPECT_EQ(run("--list-debug >/dev/full").code, 1);
-    EXPECT_EQ(run("--help >/dev/full").code, 1);
+    EXPECT_EQ(run("--list-debug >/dev/full").status, 1);
+    EXPECT_EQ(run("--help >/dev/full").status, 1);
 }
 
 TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
@@ -103,17 +83,19 @@ TEST(ViewProgram, says_in_one_line_what_is_wrong_with_a_command_line) {
         {"http://127.0.0.1:1 --offscreen 64x48 --out x.png", "http"},
     };
     for (const auto& [arguments, what] : rows) {
-        const Outcome outcome = run(arguments);
-        EXPECT_EQ(outcome.code, 2) << arguments;
-        EXPECT_EQ(lines_of(outcome.text), 1) << outcome.text;
-        EXPECT_THAT(outcome.text, testing::HasSubstr(what));
+        const Output outcome = run(arguments);
+        EXPECT_EQ(outcome.status, 2) << arguments;
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+        EXPECT_THAT(outcome.err, testing::HasSubstr(what));
     }
 }
 
 TEST(ViewProgram, says_when_there_is_no_server) {
-    const Outcome outcome = run("ws://127.0.0.1:1 --offscreen 64x48 --out /tmp/x.png");
-    EXPECT_EQ(outcome.code, 5);
-    EXPECT_EQ(lines_of(outcome.text), 1) << outcome.text;
+    const Output outcome = run("ws://127.0.0.1:1 --offscreen 64x48 --out /tmp/x.png");
+    EXPECT_EQ(outcome.status, 5);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
 }
 
 TEST(ViewProgram, an_exr_has_the_size_that_was_asked_for_in_every_quality) {
@@ -122,9 +104,9 @@ TEST(ViewProgram, an_exr_has_the_size_that_was_asked_for_in_every_quality) {
     ASSERT_TRUE(net);
     for (const char* quality : {"low", "default"}) {
         const std::string path = tests::folder().file(std::string(quality) + ".exr");
-        const Outcome outcome = run(net->url() + " --offscreen 96x64 --time 1000.5 --quality " +
-                                    quality + " --out " + path);
-        ASSERT_EQ(outcome.code, 0) << outcome.text;
+        const Output outcome = run(net->url() + " --offscreen 96x64 --time 1000.5 --quality " +
+                                   quality + " --out " + path);
+        ASSERT_EQ(outcome.status, 0) << outcome.said();
         EXPECT_EQ(read_exr(path, 96, 64).rgba.size(), 4u * 96 * 64);
     }
 }
@@ -134,10 +116,10 @@ TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea
     const auto net = tests::serve(sea);
     ASSERT_TRUE(net);
     const std::filesystem::path folder = tests::folder().file("frames");
-    const Outcome outcome =
+    const Output outcome =
         run(net->url() + " --offscreen 96x64 --frames 2 --time 1000.5 --debug place" +
             " --camera 300,-200,8,70,-35 --out " + folder.string() + "/##.exr");
-    ASSERT_EQ(outcome.code, 0) << outcome.text;
+    ASSERT_EQ(outcome.status, 0) << outcome.said();
     for (int frame = 0; frame < 2; ++frame) {
         const Picture places =
             read_exr((folder / ("0" + std::to_string(frame) + ".exr")).string(), 96, 64);
@@ -176,8 +158,8 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
     const std::string film = net->url() + " --offscreen 64x48 --frames 4 --time 1000.5" +
                              " --time-of-day 16.5 --camera 30,-20,2,70,-15 --out " +
                              folder.string();
-    ASSERT_EQ(run(film + "/##.exr").code, 0);
-    ASSERT_EQ(run(film + "/##.png").code, 0);
+    ASSERT_EQ(run(film + "/##.exr").status, 0);
+    ASSERT_EQ(run(film + "/##.png").status, 0);
     const double white = Sky(sun_direction(16.5)).white_radiance();
     double first = 0;
     for (int frame = 0; frame < 4; ++frame) {
@@ -188,9 +170,9 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
         const auto expected = [&](double exposure) {
             const std::string path = tests::folder().file("expected.png");
             EXPECT_TRUE(develop(radiance, {DebugView::final, exposure, 1}, path));
-            return bytes_of(path);
+            return tests::read_file(path);
         };
-        EXPECT_EQ(bytes_of(name + ".png") == expected(first), true) << frame;
+        EXPECT_EQ(tests::read_file(name + ".png") == expected(first), true) << frame;
         EXPECT_NE(frame == 3 && expected(first) == expected(own), true)
             << "else this test sees nothing";
     }
@@ -201,11 +183,11 @@ TEST(ViewProgram, a_bench_says_what_each_pass_takes) {
     tests::WaveSea sea;
     const auto net = tests::serve(sea);
     ASSERT_TRUE(net);
-    const Outcome outcome =
+    const Output outcome =
         run(net->url() + " --offscreen 320x180 --time 1000.5 --quality default --bench 5");
-    ASSERT_EQ(outcome.code, 0) << outcome.text;
+    ASSERT_EQ(outcome.status, 0) << outcome.said();
     double passes_ms = 0, frame_ms = 0;
-    std::istringstream lines(outcome.text);
+    std::istringstream lines(outcome.said());
     for (std::string line; std::getline(lines, line);) {
         std::istringstream words(line);
         std::string name;
@@ -220,9 +202,9 @@ TEST(ViewProgram, a_bench_says_what_each_pass_takes) {
     // On a processor drawing is nearly all of a frame; what else is there is little on a GPU, too, but that may be idle in between.
     EXPECT_GT(passes_ms, 0.02 * frame_ms);
     EXPECT_LT(passes_ms, 2 * frame_ms) << "medians of passes against the mean of frames";
-    EXPECT_THAT(outcome.text, testing::HasSubstr("frames/s"));
+    EXPECT_THAT(outcome.said(), testing::HasSubstr("frames/s"));
     for (const std::string_view pass : Renderer::pass_names)
-        EXPECT_THAT(outcome.text, testing::HasSubstr(std::string(pass))) << pass;
+        EXPECT_THAT(outcome.said(), testing::HasSubstr(std::string(pass))) << pass;
 }
 
 // The camera goes where the file says, frame by frame: below it lies the place that it names.
@@ -234,10 +216,10 @@ TEST(ViewProgram, a_path_moves_the_camera_from_frame_to_frame) {
     std::ofstream(file)
         << "t_s,x_m,y_m,z_m,yaw_deg,pitch_deg\n0,0,0,40,0,-89\n0.0333333,0,0,80,0,-89\n";
     const std::string out = tests::folder().file("path");
-    const Outcome drawn =
+    const Output drawn =
         run(net->url() + " --offscreen 64x48 --frames 2 --time 1000.5 --debug place --path " +
             file + " --out " + out + "/##.exr");
-    ASSERT_EQ(drawn.code, 0) << drawn.text;
+    ASSERT_EQ(drawn.status, 0) << drawn.said();
     const auto width_m = [&](const char* name) {
         const Picture place = read_exr(out + name, 64, 48);
         return static_cast<double>(place.pixel(63, 24)[0] - place.pixel(0, 24)[0]);
@@ -254,8 +236,8 @@ TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
     const std::string path = tests::folder().file("heights");
     const std::string one = net->url() + " --offscreen 64x48 --time 1000.5 --debug height" +
                             " --camera 30,-20,9,70,-30 --out " + path;
-    ASSERT_EQ(run(one + ".exr").code, 0);
-    ASSERT_EQ(run(one + ".png").code, 0);
+    ASSERT_EQ(run(one + ".exr").status, 0);
+    ASSERT_EQ(run(one + ".png").status, 0);
     const auto client = Client::connect({.url = net->url()});
     ASSERT_TRUE(client) << client.error().message;
     const Result<SeaFrame> frame = sea_frame_at(**client, 1'000'500'000, 10);
@@ -264,7 +246,7 @@ TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
     EXPECT_NEAR(hs_m, 4 * std::sqrt(0.5 * (0.64 + 0.09 + 0.0016 + 0.0009)), 0.02);
     const std::string expected = tests::folder().file("expected_heights.png");
     ASSERT_TRUE(develop(read_exr(path + ".exr", 64, 48), {DebugView::height, 1, hs_m}, expected));
-    EXPECT_EQ(bytes_of(path + ".png") == bytes_of(expected), true);
+    EXPECT_EQ(tests::read_file(path + ".png") == tests::read_file(expected), true);
 }
 
 // Half of a level picture is sky, which has no height: 0 there is no number.
@@ -273,11 +255,12 @@ TEST(ViewProgram, an_exr_of_heights_says_that_the_sky_has_none) {
     const auto net = tests::serve(sea);
     ASSERT_TRUE(net);
     const std::string path = tests::folder().file("level.exr");
-    const Outcome drawn =
+    const Output drawn =
         run(net->url() + " --offscreen 64x48 --time 1000.5 --camera 30,-20,9,70,0 --out " + path +
             " --debug height");
-    ASSERT_EQ(drawn.code, 0) << drawn.text;
-    EXPECT_EQ(drawn.text.find("--exposure"), std::string::npos) << "of light alone: " << drawn.text;
+    ASSERT_EQ(drawn.status, 0) << drawn.said();
+    EXPECT_EQ(drawn.said().find("--exposure"), std::string::npos)
+        << "of light alone: " << drawn.said();
     std::vector<float> alpha(64 * 48);
     Imf::InputFile file(path.c_str());
     Imf::FrameBuffer buffer;

@@ -2,16 +2,11 @@
 // A display without a screen: Xvfb on a free number, stopped by its process id; what it shows, and a mouse and keys.
 #pragma once
 
-#include <array>
-#include <chrono>
 #include <csignal>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -19,6 +14,8 @@
 #include <unistd.h>
 
 #include "tests/support/folder.h"
+#include "tests/support/program.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::tests {
 
@@ -60,10 +57,8 @@ class Display {
         int numbers[2];
         if (pipe(numbers) != 0)
             std::abort();
-        const std::string folder = tests::folder().file("xvfb-XXXXXX");
-        folder_ = folder;
-        if (mkdtemp(folder_.data()) == nullptr)
-            std::abort();
+        folder_ = folder().fresh("xvfb");
+        std::filesystem::create_directory(folder_);
         const std::string number = std::to_string(numbers[1]);
         const std::string screen = std::to_string(width) + "x" + std::to_string(height) + "x24";
         pid_ = fork();
@@ -97,21 +92,13 @@ class Display {
 
     /// xdotool with these arguments; what it prints.
     std::string tool(const std::string& arguments) const {
-        const std::string command = "DISPLAY=" + name_ + " xdotool " + arguments + " 2>/dev/null";
-        std::string out;
-        FILE* pipe = popen(command.c_str(), "r");
-        std::array<char, 256> line{};
-        while (fgets(line.data(), line.size(), pipe) != nullptr)
-            out += line.data();
-        pclose(pipe);
-        return out;
+        return run_command("DISPLAY=" + name_ + " xdotool " + arguments).out;
     }
 
     /// The upper left part of the screen, where windows without a manager lie. From the frame buffer's file, which is
     /// in the format of xwd.
     Screenshot shot(int columns, int rows) const {
-        std::ifstream file(folder_ + "/Xvfb_screen0", std::ios::binary);
-        const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+        const std::string bytes = read_file(folder_ + "/Xvfb_screen0");
         const auto word = [&](std::size_t n) { // big-endian
             std::uint32_t value = 0;
             for (std::size_t i = 0; i < 4; ++i)

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What panels show, without pixels.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -20,7 +16,9 @@
 #include "sea/basics/constants.h"
 #include "tests/client/view/small_seas.h"
 #include "tests/client/view/synthetic_sea.h"
+#include "tests/support/eventually.h"
 #include "tests/support/folder.h"
+#include "tests/support/listener.h"
 #include "tests/support/server_process.h"
 
 namespace seaway::client {
@@ -80,16 +78,13 @@ TEST(Feed, stays_away_for_as_long_as_a_server_that_stops_asks) {
     ASSERT_FALSE(url.empty()) << server.log();
     Feed feed({.url = url});
     const auto becomes = [&feed](Link link) {
-        for (int i = 0; i < 12'000 && feed.status().link != link; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        return feed.status().link == link;
+        return tests::eventually([&] { return feed.status().link == link; });
     };
     ASSERT_TRUE(becomes(Link::live)) << server.log();
     server.send(SIGTERM);
     ASSERT_TRUE(becomes(Link::waiting));
     // It is lost a moment before it is known for how long.
-    for (int i = 0; i < 12'000 && feed.status().next_s == 0; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(tests::eventually([&] { return feed.status().next_s > 0; }));
     const FeedStatus status = feed.status();
     EXPECT_THAT(status.reason, testing::HasSubstr("shutting_down"));
     EXPECT_GT(status.next_s, 500) << "of the 600, with a minute and more for a busy machine";
@@ -103,22 +98,16 @@ std::size_t threads() {
 
 // Naive: nobody tells its thread to stop, which goes on after the window until its patience with the server ends.
 TEST(Feed, leaves_no_thread_that_waits_for_a_silent_server) {
-    const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in at{.sin_family = AF_INET, .sin_addr = {htonl(INADDR_LOOPBACK)}};
-    socklen_t size = sizeof at;
-    ASSERT_EQ(::bind(silent, reinterpret_cast<sockaddr*>(&at), size), 0);
-    ASSERT_EQ(::listen(silent, 4), 0);
-    ASSERT_EQ(::getsockname(silent, reinterpret_cast<sockaddr*>(&at), &size), 0);
+    const tests::Listener silent;
     const std::size_t before = threads();
+    int line = -1;
     {
-        Feed feed({.url = fmt::format("ws://127.0.0.1:{}", ntohs(at.sin_port)), .timeout_s = 600});
-        pollfd waits{silent, POLLIN, 0};
-        ASSERT_EQ(::poll(&waits, 1, 60'000), 1) << "it has come";
+        Feed feed({.url = fmt::format("ws://127.0.0.1:{}", silent.port()), .timeout_s = 600});
+        line = silent.accept();
+        ASSERT_GE(line, 0) << "it has come";
     }
-    for (int i = 0; i < 12'000 && threads() > before; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    EXPECT_LE(threads(), before);
-    ::close(silent);
+    EXPECT_TRUE(tests::eventually([&] { return threads() <= before; }));
+    ::close(line);
 }
 
 // A frame that is still drawn has it. What the feed counted must be there for as long as the client counts: the sanitizers
@@ -131,15 +120,14 @@ TEST(Feed, may_go_before_those_who_have_its_client) {
     std::shared_ptr<Client> client;
     {
         Feed feed({.url = url});
-        for (int i = 0; i < 12'000 && !(feed.client() && feed.status().keyframes > 0); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        EXPECT_TRUE(
+            tests::eventually([&] { return feed.client() && feed.status().keyframes > 0; }));
         EXPECT_GT(feed.status().bytes, 0u);
         client = feed.client();
     }
     ASSERT_TRUE(client);
     const sea::TimeUs then_us = client->now_us() + 1'000'000; // some keyframes on
-    for (int i = 0; i < 12'000 && client->now_us() < then_us; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(tests::eventually([&] { return client->now_us() >= then_us; }));
     EXPECT_TRUE(client->is_open());
 }
 
@@ -156,9 +144,7 @@ TEST(Model, a_probe_says_what_its_client_says_of_a_server_that_is_gone) {
     const Result<Grant> grant = client->subscribe({.fields = drawn_fields}, Feed::credit, 60);
     ASSERT_TRUE(grant) << grant.error().message;
     server.send(SIGKILL);
-    for (int i = 0; i < 12'000 && client->is_open(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    ASSERT_FALSE(client->is_open());
+    ASSERT_TRUE(tests::eventually([&] { return !client->is_open(); }));
     const sea::QueryPoint point{1, 2, client->status().held_until_us - 1};
     Result<LocalSurface> surface = client->surface(point.time_us);
     ASSERT_TRUE(surface) << surface.error().message;

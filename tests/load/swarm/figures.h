@@ -6,10 +6,14 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
 #include <sys/types.h>
 #include <unistd.h>
+
+#include "tests/support/process_status.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::tests::swarm {
 
@@ -22,8 +26,7 @@ struct Figures {
 inline Figures figures_of(pid_t pid) {
     const std::filesystem::path folder = "/proc/" + std::to_string(pid);
     Figures figures;
-    std::ifstream stat(folder / "stat");
-    std::string text{std::istreambuf_iterator<char>(stat), {}};
+    const std::string text = read_file(folder / "stat");
     std::istringstream after_name(text.substr(std::min(text.size(), text.rfind(')') + 2)));
     std::string word;
     for (int field = 3; field <= 15 && after_name >> word; ++field)
@@ -35,10 +38,7 @@ inline Figures figures_of(pid_t pid) {
         if (schedule >> ns)
             figures.threads_s[task.path().filename()] = 1e-9 * ns;
     }
-    std::ifstream memory(folder / "statm");
-    double pages = 0;
-    memory >> pages >> pages;
-    figures.resident_mb = 1e-6 * pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
+    figures.resident_mb = 1e-6 * memory_bytes(pid);
     return figures;
 }
 

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string>
-
-#include <unistd.h>
 
 #include <gmock/gmock.h>
 
 #include <fmt/format.h>
 
 #include "sea/certificate/certificate.h"
+#include "tests/support/folder.h"
 
 namespace seaway::sea {
 namespace {
@@ -237,26 +234,23 @@ TEST(Certificate, is_read_beside_its_scene_and_errors_name_both) {
     scene.accuracy.certificate.name.clear();
     ASSERT_TRUE(load_certificate(scene));
     EXPECT_EQ(*load_certificate(scene), nullptr);
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / fmt::format("seaway-certificate-{}", getpid());
-    std::filesystem::create_directories(folder);
-    const Result<Scene> beside = parse_scene(scene_text, "gale.toml", folder.string());
+    const tests::Folder& folder = tests::folder();
+    const Result<Scene> beside = parse_scene(scene_text, "gale.toml", folder.file(""));
     ASSERT_TRUE(beside);
     const Result<CertificatePtr> none = load_certificate(*beside);
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().message, "gale.toml: accuracy.certificate: cannot read "
                                     "'gale.certificate.json': no such file");
-    std::ofstream(folder / "gale.certificate.json") << to_json(certificate());
+    folder.write("gale.certificate.json", to_json(certificate()));
     const Result<CertificatePtr> read = load_certificate(*beside);
     EXPECT_TRUE(read) << read.error().message;
-    std::ofstream(folder / "gale.certificate.json") << "{}";
+    folder.write("gale.certificate.json", "{}");
     const Result<CertificatePtr> empty = load_certificate(*beside);
     ASSERT_FALSE(empty);
     EXPECT_THAT(empty.error().message,
                 HasSubstr("accuracy.certificate: gale.certificate.json: format: missing"));
-    std::ofstream(folder / "gale.certificate.json") << std::string(certificate_bytes_max + 1, ' ');
+    folder.write("gale.certificate.json", std::string(certificate_bytes_max + 1, ' '));
     EXPECT_FALSE(load_certificate(*beside));
-    std::filesystem::remove_all(folder);
 }
 
 // The wind that counts is the strongest, wherever it stands; of choppiness the larger.

@@ -5,13 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-
-#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "sea/scene/scene.h"
+#include "tests/support/folder.h"
 
 namespace seaway::sea {
 namespace {
@@ -106,19 +104,15 @@ TEST(EffectiveScene, a_preset_of_the_sea_counts_among_its_systems) {
 
 // Each table is within its limit, both together are beyond that of a scene.
 TEST(EffectiveScene, longer_than_a_scene_may_be_is_refused_with_its_length) {
-    const std::string folder =
-        (std::filesystem::temp_directory_path() / fmt::format("seaway_long_{}", getpid())).string();
-    std::filesystem::create_directories(folder);
-    std::ofstream table(folder + "/modes.csv");
-    table << "nx,ny,amplitude_m,phase_rad\n";
+    std::string table = "nx,ny,amplitude_m,phase_rad\n";
     for (int i = 0; i < 40'000; ++i)
-        table << i % 200 + 1 << ',' << i / 200 << ",0.00012345,1.25\n";
-    table.close();
+        table += fmt::format("{},{},0.00012345,1.25\n", i % 200 + 1, i / 200);
+    tests::folder().write("modes.csv", table);
     const auto scene_of = [&](int systems) {
         std::string text = "[sea]\n";
         for (int i = 0; i < systems; ++i)
             text += "[[sea.system]]\ntype = \"modes\"\nlength_m = 500\nfile = \"modes.csv\"\n";
-        return parse_scene(text, "s.toml", folder);
+        return parse_scene(text, "s.toml", tests::folder().file(""));
     };
     const Result<Scene> one = scene_of(1), two = scene_of(2);
     ASSERT_TRUE(one) << one.error().message;
@@ -126,7 +120,6 @@ TEST(EffectiveScene, longer_than_a_scene_may_be_is_refused_with_its_length) {
     ASSERT_FALSE(two);
     EXPECT_THAT(two.error().message,
                 AllOf(HasSubstr("s.toml: sea.system: written whole"), HasSubstr("1048576")));
-    std::filesystem::remove_all(folder);
 }
 
 } // namespace

@@ -6,11 +6,8 @@
 
 #include <cmath>
 #include <complex>
-#include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "sea/scene/scene.h"
 #include "sea/spectrum/measured.h"
@@ -18,6 +15,7 @@
 #include "sea/waves/statistics/moments.h"
 #include "tests/sea/csv.h"
 #include "tests/sea/warnings_of.h"
+#include "tests/support/folder.h"
 
 namespace seaway::sea {
 namespace {
@@ -410,16 +408,13 @@ TEST(Ndbc, years_of_two_digits_are_of_the_nineteen_hundreds) {
 }
 
 TEST(Ndbc, a_scene_names_the_files_and_its_effective_form_holds_the_record) {
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / ("seaway-ndbc-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder);
+    const std::string folder = tests::folder().file("");
     for (const auto& [name, text] :
          {std::pair{"x.data_spec", density_text}, {"x.swdir", alpha1_text}, {"x.swr1", r1_text}})
-        std::ofstream(folder / name) << text;
+        tests::folder().write(name, text);
     const auto scene = scene_with(
         "", "file = \"x.data_spec\"\nalpha1_file = \"x.swdir\"\nr1_file = \"x.swr1\"\n", folder);
     const auto half = scene_with("", "file = \"x.data_spec\"\nr1_file = \"x.swr1\"\n", folder);
-    std::filesystem::remove_all(folder);
     ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_THAT(testing::warnings_of(*scene),
                 Contains(HasSubstr("1 of 4 frequencies have energy but no")));

@@ -10,6 +10,7 @@
 #include "sea/basics/cascade.h"
 #include "sea/basics/constants.h"
 #include "sea/surface/maps/regrid.h"
+#include "tests/support/largest_difference.h"
 
 namespace seaway::sea {
 namespace {
@@ -61,13 +62,6 @@ Waves waves_within(double reach, unsigned seed) {
     return sea;
 }
 
-double farthest(const std::vector<float>& a, const std::vector<float>& b) {
-    double most = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        most = std::max(most, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
-    return most;
-}
-
 // Sides with every radix, odd and even, to smaller and to larger grids; two maps at once, which do not mix.
 TEST(Regrid, waves_of_both_grids_are_the_same_sum_of_waves_on_either) {
     for (const Instructions instructions : supported_instructions())
@@ -90,8 +84,8 @@ TEST(Regrid, waves_of_both_grids_are_the_same_sum_of_waves_on_either) {
             Regrid(from, to, instructions).maps(sea.map(from), other.map(from), a, b);
             // Half of what both ways may cost; of the larger map, which the smaller one is rounded beside.
             const double bound = 0.5 * regrid_precision * 4.0 * sea.rms();
-            EXPECT_LE(farthest(a, sea.map(to)), bound) << from << " to " << to;
-            EXPECT_LE(farthest(b, other.map(to)), bound) << from << " to " << to;
+            EXPECT_LE(tests::largest_difference(a, sea.map(to)), bound) << from << " to " << to;
+            EXPECT_LE(tests::largest_difference(b, other.map(to)), bound) << from << " to " << to;
         }
 }
 
@@ -100,8 +94,8 @@ TEST(Regrid, waves_beyond_the_disc_of_the_smaller_grid_are_left_out) {
     const Waves inside{{{30, 30, 1.0, 0.3}}}, outside{{{35, 35, 1.0, 0.3}}};
     std::vector<float> a(90 * 90), b(a.size());
     Regrid(256, 90).maps(inside.map(256), outside.map(256), a, b);
-    EXPECT_LE(farthest(a, inside.map(90)), 1e-5);
-    EXPECT_LE(farthest(b, std::vector<float>(b.size())), 1e-5);
+    EXPECT_LE(tests::largest_difference(a, inside.map(90)), 1e-5);
+    EXPECT_LE(tests::largest_difference(b, std::vector<float>(b.size())), 1e-5);
 }
 
 // Rounding is even noise. What is left of it on the larger grid has the disc's share of its variance at grid
@@ -154,7 +148,8 @@ TEST(Regrid, displacements_follow_from_heights_in_any_depth) {
             const Regrid regrid(from, to);
             regrid.maps(sea.map(from), rate.map(from), orbits, {maps[0], maps[1]},
                         {maps[2], maps[3]}, {maps[4], maps[5]});
-            EXPECT_LE(farthest(maps[0], sea.map(to)), 0.5 * regrid_precision * 4.0 * sea.rms());
+            EXPECT_LE(tests::largest_difference(maps[0], sea.map(to)),
+                      0.5 * regrid_precision * 4.0 * sea.rms());
             for (const auto& [waves, x, y] :
                  {std::tuple(&sea, &maps[2], &maps[4]), {&rate, &maps[3], &maps[5]}}) {
                 Waves along_x, along_y;
@@ -172,8 +167,10 @@ TEST(Regrid, displacements_follow_from_heights_in_any_depth) {
                 }
                 // A map's own rounding, of waves that shallow water moves further than up and down.
                 const double bound = regrid_precision * 4.0 * (along_x.rms() + along_y.rms());
-                EXPECT_LE(farthest(*x, along_x.map(to)), bound) << from << " " << depth_m;
-                EXPECT_LE(farthest(*y, along_y.map(to)), bound) << from << " " << depth_m;
+                EXPECT_LE(tests::largest_difference(*x, along_x.map(to)), bound)
+                    << from << " " << depth_m;
+                EXPECT_LE(tests::largest_difference(*y, along_y.map(to)), bound)
+                    << from << " " << depth_m;
             }
             std::vector<float> none, only(maps[2].size());
             regrid.maps(sea.map(from), rate.map(from), orbits, {}, {only, none}, {});
@@ -234,9 +231,9 @@ TEST(Regrid, one_map_alone_and_many_of_a_keyframe_are_taken) {
     const auto of = [&](Field field) {
         return std::vector<float>(small.plane(field).begin(), small.plane(field).end());
     };
-    EXPECT_LE(farthest(of(Field::height), height.map(45)), 1e-5);
-    EXPECT_LE(farthest(of(Field::height_rate), rate.map(45)), 1e-5);
-    EXPECT_LE(farthest(of(Field::slope_x), slope.map(45)), 1e-5);
+    EXPECT_LE(tests::largest_difference(of(Field::height), height.map(45)), 1e-5);
+    EXPECT_LE(tests::largest_difference(of(Field::height_rate), rate.map(45)), 1e-5);
+    EXPECT_LE(tests::largest_difference(of(Field::slope_x), slope.map(45)), 1e-5);
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sea/basics/deviations.h"
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/spectrum_builder.h"
 #include "tests/sea/sea_fixture.h"
@@ -277,7 +278,7 @@ TEST(QuantisedSpectrum, waves_that_were_given_alike_keep_the_bound_where_they_me
             for (std::size_t i = 0; i < modes.h0.size(); ++i)
                 off_m += 2 * (modes.h0[i] - there.cascades[0].h0[i]).real();
             const SpectrumLeft& left = block == 0 ? waves.without : waves.left[block - 1];
-            EXPECT_LE(std::abs(off_m), spectrum_sigmas * left.height_m * (1 + 1e-9)) << block;
+            EXPECT_LE(std::abs(off_m), bound_sigmas * left.height_m * (1 + 1e-9)) << block;
             if (block == waves.blocks.size())
                 break;
             ASSERT_TRUE(builder.add(waves.blocks[block++]));

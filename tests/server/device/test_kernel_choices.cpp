@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <thread>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/server/device/random_sea.h"
 #include "tests/support/folder.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::server {
 namespace {
@@ -27,11 +27,6 @@ using testing::Not;
 
 KernelChoice some(int size, const std::string& design = "T16") {
     return {"a GPU", "driver 1.2", size, size % 256 == 0, 0xbeef, design, 0.000123};
-}
-
-std::string text_of(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(KernelChoices, the_one_that_took_least_time_is_taken) {
@@ -92,7 +87,7 @@ TEST(KernelChoices, where_nothing_can_be_written_is_said_and_no_other_file_is_le
         const Result<void> kept = remember_kernel_choice(path, some(64));
         ASSERT_FALSE(kept) << path;
     }
-    EXPECT_EQ(text_of(file), "x");
+    EXPECT_EQ(tests::read_file(file), "x");
 }
 
 TEST(KernelChoices, writers_at_one_moment_leave_a_file_that_is_one) {

@@ -14,6 +14,7 @@
 #include "sea/waves/sine_waves.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/server/device/random_sea.h"
+#include "tests/support/largest_difference.h"
 
 namespace seaway::server {
 namespace {
@@ -33,13 +34,6 @@ double rms(std::span<const float> values) {
     for (float v : values)
         sum += double{v} * double{v};
     return std::sqrt(sum / static_cast<double>(values.size()));
-}
-
-double largest_difference(std::span<const float> a, std::span<const float> b) {
-    double worst = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        worst = worse(worst, std::abs(double{a[i]} - double{b[i]}));
-    return worst;
 }
 
 class AgainstVulkan : public testing::TestWithParam<int> {};
@@ -70,10 +64,12 @@ TEST_P(AgainstVulkan, every_list_of_fields_agrees_within_1e6_of_hs) {
             if (sea::is_linear(field))
                 scale = worse(scale, 4 * rms(ours->plane(field)));
         for (Field field : fields)
-            EXPECT_LE(largest_difference(ours->plane(field), theirs->plane(field)), 1e-6 * scale)
+            EXPECT_LE(tests::largest_difference(ours->plane(field), theirs->plane(field)),
+                      1e-6 * scale)
                 << sea::info(field).name << " in a list of " << count;
-        EXPECT_LE(largest_difference(ours->plane(Field::height), theirs->plane(Field::height)),
-                  1e-6 * 4 * rms(ours->plane(Field::height)));
+        EXPECT_LE(
+            tests::largest_difference(ours->plane(Field::height), theirs->plane(Field::height)),
+            1e-6 * 4 * rms(ours->plane(Field::height)));
     }
 }
 

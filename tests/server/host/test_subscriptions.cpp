@@ -41,7 +41,13 @@ TEST(Subscriptions, a_quality_is_in_use_for_as_long_as_somebody_has_it) {
     all.set(2, {.cascades = 3u, .fields = {Field::height}, .quality = 2});
     all.set(3, {.cascades = 1u, .fields = {Field::height}, .quality = 5});
     EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(2).set(5));
-    EXPECT_EQ(all.qualities(1), std::bitset<quality_rungs>{}.set(2)) << "of a cascade";
+    EXPECT_EQ(all.most_wanted(1), std::vector<Quality>{2}) << "of a cascade";
+    EXPECT_EQ(all.most_wanted(0), (std::vector<Quality>{2, 5}));
+    all.set(4, {.cascades = 1u, .fields = {Field::height}, .quality = 5});
+    all.set(5, {.cascades = 1u, .fields = {Field::height}, .quality = 5});
+    EXPECT_EQ(all.most_wanted(0), (std::vector<Quality>{5, 2})) << "by readers";
+    all.erase(4);
+    all.erase(5);
     EXPECT_EQ(all.qualities_but(3), std::bitset<quality_rungs>{}.set(2)) << "but one";
     EXPECT_EQ(all.qualities_but(2), all.qualities()) << "another has it, too";
     EXPECT_EQ(all.qualities_but(9), all.qualities());
@@ -52,6 +58,19 @@ TEST(Subscriptions, a_quality_is_in_use_for_as_long_as_somebody_has_it) {
     all.erase(2);
     all.erase(9);
     EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(0));
+}
+
+TEST(Subscriptions, coarser_rungs_that_nobody_has_any_more_are_counted) {
+    Subscriptions all;
+    const Quality coarser = whole_rungs;
+    all.set(1, {.cascades = 1u, .fields = {Field::height}, .quality = coarser});
+    all.set(2, {.cascades = 1u, .fields = {Field::height}, .quality = coarser});
+    all.set(3, {.cascades = 1u, .fields = {Field::height}, .quality = 2});
+    all.erase(1);
+    all.erase(3);
+    EXPECT_EQ(all.coarser_given_up(), 0u);
+    all.set(2, {.cascades = 1u, .fields = {Field::height}, .quality = 2});
+    EXPECT_EQ(all.coarser_given_up(), 1u);
 }
 
 TEST(Subscriptions, what_those_want_who_go_without_a_field_is_theirs_alone_and_of_the_cascade) {

@@ -37,9 +37,7 @@ inline int next_number() {
 
 /// Places where there is no journal yet.
 struct InAFolder {
-    static JournalPlace fresh() {
-        return {.where = tests::folder().file(fmt::format("any-journal-{}", next_number()))};
-    }
+    static JournalPlace fresh() { return {.where = tests::folder().fresh("any-journal")}; }
 };
 struct InNats {
     static JournalPlace fresh() {

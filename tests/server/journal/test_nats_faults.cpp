@@ -12,6 +12,7 @@
 #include "tests/server/journal/journals.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
+#include "tests/support/listener.h"
 
 namespace seaway::server {
 namespace {
@@ -123,33 +124,9 @@ TEST(NatsJournal, a_log_that_has_lost_its_end_is_named_and_not_written_to) {
     EXPECT_EQ(other->since(0)->size(), 4u);
 }
 
-/// Asks NATS as its own programs do, in its text protocol.
-std::string ask_nats(int port, const std::string& subject, const std::string& body) {
-    const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    (void)connect(line, reinterpret_cast<sockaddr*>(&address), sizeof address);
-    const std::string text = fmt::format("CONNECT {{\"verbose\":false}}\r\nSUB answer 1\r\n"
-                                         "PUB {} answer {}\r\n{}\r\n",
-                                         subject, body.size(), body);
-    (void)send(line, text.data(), text.size(), 0);
-    std::string answer;
-    const auto is_whole = [&answer] { // "MSG answer 1 LENGTH", and the line of that length
-        const std::size_t head = answer.find("\r\n", answer.find("MSG answer"));
-        return answer.find("MSG answer") != std::string::npos && head != std::string::npos &&
-               answer.find("\r\n", head + 2) != std::string::npos;
-    };
-    for (char byte = 0; !is_whole() && recv(line, &byte, 1, 0) == 1;)
-        answer += byte;
-    close(line);
-    return answer.substr(std::min(answer.find("MSG answer"), answer.size()));
-}
-
-std::string create_stream(int port, const std::string& name, const std::string& settings) {
-    return ask_nats(port, "$JS.API.STREAM.CREATE." + name,
-                    fmt::format("{{\"name\":\"{}\",{}}}", name, settings));
+std::string create_stream(const std::string& name, const std::string& settings) {
+    return nats().ask("$JS.API.STREAM.CREATE." + name,
+                      fmt::format("{{\"name\":\"{}\",{}}}", name, settings));
 }
 
 TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
@@ -171,7 +148,7 @@ TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
         std::string settings = c.settings;
         for (std::size_t at; (at = settings.find(".W")) != std::string::npos;)
             settings.replace(at, 2, "." + world);
-        const std::string made = create_stream(nats().port(), "SEAWAY_" + world, settings);
+        const std::string made = create_stream("SEAWAY_" + world, settings);
         ASSERT_NE(made.find("\"created\""), std::string::npos) << made;
         const std::string error = error_at({.where = nats().url(world)});
         EXPECT_NE(error.find(c.says), std::string::npos) << error;
@@ -181,7 +158,7 @@ TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
     // One that an operator has made, as for copies in a cluster, is taken.
     const std::string world = fresh_world();
     create_stream(
-        nats().port(), "SEAWAY_" + world,
+        "SEAWAY_" + world,
         fmt::format(R"("subjects":["seaway.{}.log"],"storage":"file","allow_direct":true)", world));
     EXPECT_EQ(error_at({.where = nats().url(world)}), "it was opened");
 }
@@ -190,14 +167,14 @@ TEST(NatsJournal, names_a_stream_that_forgets_and_leaves_it_as_it_is) {
 TEST(NatsJournal, names_a_stream_out_of_which_a_message_was_deleted) {
     const std::string world = fresh_world();
     create_stream(
-        nats().port(), "SEAWAY_" + world,
+        "SEAWAY_" + world,
         fmt::format(R"("subjects":["seaway.{}.log"],"storage":"file","allow_direct":true)", world));
     const auto journal = open_at(nats().url(world));
     ASSERT_TRUE(journal);
     for (std::uint32_t epoch = 2; epoch <= 4; ++epoch)
         ASSERT_TRUE(journal->append(change(epoch)));
     const std::string deleted =
-        ask_nats(nats().port(), "$JS.API.STREAM.MSG.DELETE.SEAWAY_" + world, "{\"seq\":2}");
+        nats().ask("$JS.API.STREAM.MSG.DELETE.SEAWAY_" + world, "{\"seq\":2}");
     ASSERT_NE(deleted.find("\"success\""), std::string::npos) << deleted;
     const std::string error = error_at({.where = nats().url(world)});
     EXPECT_NE(error.find("holds 3 of 4 messages"), std::string::npos) << error;
@@ -206,33 +183,20 @@ TEST(NatsJournal, names_a_stream_out_of_which_a_message_was_deleted) {
 /// Takes whoever connects, and says nothing.
 class SilentHost {
   public:
-    SilentHost() : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
-        address_.sin_family = AF_INET;
-        address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        (void)bind(socket_, reinterpret_cast<sockaddr*>(&address_), sizeof address_);
-        (void)listen(socket_, 8);
-        socklen_t length = sizeof address_;
-        (void)getsockname(socket_, reinterpret_cast<sockaddr*>(&address_), &length);
-    }
     ~SilentHost() {
         for (const int one : come_)
             close(one);
-        close(socket_);
     }
-    SilentHost(const SilentHost&) = delete;
-    SilentHost& operator=(const SilentHost&) = delete;
-
-    int port() const { return ntohs(address_.sin_port); }
+    int port() const { return listener_.port(); }
     /// Connections until now.
     std::size_t come() {
-        for (int one; (one = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC)) >= 0;)
+        for (int one; (one = listener_.accept(std::chrono::milliseconds(0))) >= 0;)
             come_.push_back(one);
         return come_.size();
     }
 
   private:
-    int socket_;
-    sockaddr_in address_{};
+    tests::Listener listener_;
     std::vector<int> come_;
 };
 

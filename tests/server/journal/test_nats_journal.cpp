@@ -9,6 +9,7 @@
 #include "server/journal/sea_clock.h"
 #include "server/journal/shared_journal.h"
 #include "tests/server/journal/journals.h"
+#include "tests/support/certificate.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 
@@ -307,31 +308,18 @@ TEST(NatsJournal, a_connection_that_is_made_anew_reads_its_files_again) {
     EXPECT_TRUE((*journal)->append(change(2)));
 }
 
-/// A certificate for 127.0.0.1 that signs itself, and its key.
-std::pair<std::string, std::string> certificate() {
-    const std::string name = tests::folder().file(fmt::format("tls-{}", next_number()));
-    const std::string line = fmt::format(
-        "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2 -subj "
-        "/CN=127.0.0.1 -addext subjectAltName=IP:127.0.0.1 -keyout {0}.key -out {0}.pem "
-        "2>/dev/null",
-        name);
-    EXPECT_EQ(std::system(line.c_str()), 0);
-    return {name + ".pem", name + ".key"};
-}
-
 TEST(NatsJournal, speaks_tls_with_who_is_trusted_and_shows_its_own_certificate) {
-    const auto [cert, key] = certificate();
-    const auto [own, own_key] = certificate();
+    const tests::Certificate of_server, own;
     NatsServer server(fmt::format("tls {{ cert_file: \"{}\", key_file: \"{}\", ca_file: \"{}\", "
                                   "verify: true }}",
-                                  cert, key, own));
+                                  of_server.cert_file, of_server.key_file, own.cert_file));
     const JournalPlace place{.where = server.url("tls"),
-                             .tls_ca_file = cert,
-                             .tls_cert_file = own,
-                             .tls_key_file = own_key};
+                             .tls_ca_file = of_server.cert_file,
+                             .tls_cert_file = own.cert_file,
+                             .tls_key_file = own.key_file};
     EXPECT_EQ(error_at(place), "it was opened");
     JournalPlace other = place;
-    other.tls_ca_file = own; // signs another
+    other.tls_ca_file = own.cert_file; // signs another
     EXPECT_NE(error_at(other).find("SSL"), std::string::npos) << error_at(other);
     JournalPlace in_the_clear{.where = place.where};
     EXPECT_NE(error_at(in_the_clear).find("NATS"), std::string::npos);

@@ -17,6 +17,7 @@
 #include "server/journal/sqlite_journal.h"
 #include "tests/server/journal/journals.h"
 #include "tests/support/full_disk.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::server {
 namespace {
@@ -27,13 +28,7 @@ using namespace tests_of_journals;
 
 /// A new folder, which is not there yet.
 std::string fresh_folder() {
-    static int count = 0;
-    return tests::folder().file(fmt::format("journal-{}", ++count));
-}
-
-std::string bytes_of(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+    return tests::folder().fresh("journal");
 }
 
 void write(const std::string& path, const std::string& bytes) {
@@ -123,10 +118,10 @@ TEST(SqliteJournal, names_a_file_of_others_and_leaves_it_as_it_is) {
         const char* says;
     };
     auto made = SqliteJournal::open(fresh_folder(), beginning).value();
-    std::string foreign = bytes_of(made->name()), later = foreign;
+    std::string foreign = tests::read_file(made->name()), later = foreign;
     foreign[71] ^=
         1; // application_id ends at byte 71, user_version at 63 (sqlite.org/fileformat2.html)
-    later[63] = 2;
+    later[63] = 3;
     const Case cases[] = {{"empty", "", "is no journal"},
                           {"text", std::string(5000, 'a'), "is no journal"},
                           {"a name alone", "SQLite format 3", "is no journal"},
@@ -140,7 +135,7 @@ TEST(SqliteJournal, names_a_file_of_others_and_leaves_it_as_it_is) {
         EXPECT_NE(error.find(path), std::string::npos) << error;
         EXPECT_NE(error.find(c.says), std::string::npos) << c.what << ": " << error;
         EXPECT_NE(error.find("left as it is"), std::string::npos) << error;
-        EXPECT_EQ(bytes_of(path), c.bytes) << c.what;
+        EXPECT_EQ(tests::read_file(path), c.bytes) << c.what;
     }
 }
 
@@ -164,7 +159,7 @@ TEST(SqliteJournal, takes_nothing_that_lies_beside_a_journal_that_is_gone) {
         EXPECT_NE(error.find(std::string("its journal.sqlite") + part + " is there"),
                   std::string::npos)
             << error;
-        EXPECT_EQ(bytes_of(rest), "of another sea");
+        EXPECT_EQ(tests::read_file(rest), "of another sea");
         EXPECT_FALSE(fs::exists(folder + "/journal.sqlite"));
     }
 }
@@ -193,7 +188,7 @@ std::string crashed_folder(std::uint32_t changes) {
 // a change that nobody was told of can be cut.
 TEST(SqliteJournal, cut_off_in_its_last_write_it_holds_all_changes_before) {
     const std::string crashed = crashed_folder(4), wal = crashed + "/journal.sqlite-wal";
-    const std::string whole = bytes_of(wal);
+    const std::string whole = tests::read_file(wal);
     std::size_t most = 0, least = 9;
     for (std::size_t cut = 0; cut <= whole.size(); cut += 509) {
         const std::string folder = fresh_folder();
@@ -222,7 +217,7 @@ TEST(SqliteJournal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {
                 .value();
         ASSERT_TRUE(journal->append(change(2)));
     }
-    const std::string whole = bytes_of(healthy + "/journal.sqlite");
+    const std::string whole = tests::read_file(healthy + "/journal.sqlite");
     ASSERT_GT(whole.size(), 5u * 4096);
     const auto expect_named = [](const std::string& bytes, const std::string& what) {
         const std::string folder = fresh_folder(), path = folder + "/journal.sqlite";
@@ -230,7 +225,7 @@ TEST(SqliteJournal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {
         write(path, bytes);
         const std::string error = error_of(folder);
         EXPECT_EQ(error.find(path), 0u) << what << ": " << error;
-        EXPECT_EQ(bytes_of(path), bytes) << what;
+        EXPECT_EQ(tests::read_file(path), bytes) << what;
     };
     for (std::size_t cut = 50; cut < whole.size(); cut += 4096 - 7)
         expect_named(whole.substr(0, cut), fmt::format("cut at {}", cut));

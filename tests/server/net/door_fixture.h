@@ -30,11 +30,8 @@ class NetDoor : public NetTest {
     /// What the server says at `target` with the right token.
     double counted(const std::string& name, const std::string& token = {}) {
         const int from = net->health_port() > 0 ? net->health_port() : port();
-        const std::string text =
-            ask_http(from, "/metrics", "GET", token.empty() ? "" : "Bearer " + token, "127.0.0.9")
-                .body;
-        const std::size_t at = text.find("\n" + name + " ");
-        return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
+        const std::string bearing = token.empty() ? "" : "Bearer " + token;
+        return figure_of(ask_http(from, "/metrics", "GET", bearing, "127.0.0.9").body, name);
     }
     /// 0: came in; else the code of the close, or the HTTP status that was no upgrade.
     unsigned knock(const std::string& token, const std::string& from = {},

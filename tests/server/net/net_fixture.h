@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <set>
@@ -24,6 +23,7 @@
 #include "tests/server/simulation/small_sea.h"
 #include "tests/support/eventually.h"
 #include "tests/support/folder.h"
+#include "tests/support/metrics_page.h"
 
 namespace seaway::tests {
 
@@ -89,11 +89,7 @@ class NetTest : public ::testing::Test {
     }
 
     /// The value of a metric, -1 if it is not there.
-    double metric(const std::string& name) {
-        const std::string text = get("/metrics").body;
-        const std::size_t at = text.find("\n" + name + " ");
-        return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
-    }
+    double metric(const std::string& name) { return figure_of(get("/metrics").body, name); }
 
     /// The next message refuses this request.
     void expect_refused(Client& client, std::uint32_t request_id, wire::ErrorCode code,

@@ -10,6 +10,7 @@
 
 #include "protocol/limits.h"
 #include "server/net/encode_worker.h"
+#include "tests/support/process_status.h"
 
 namespace seaway::tests {
 namespace {
@@ -348,12 +349,8 @@ TEST_F(NetStream, no_thread_that_sends_is_ended_by_a_peer_that_goes_away) {
     start();
     greeted(); // so that the thread has begun
     std::size_t blocking = 0;
-    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-        std::ifstream status(thread.path() / "status");
-        for (std::string line; std::getline(status, line);)
-            if (line.starts_with("SigBlk:"))
-                blocking += std::stoull(line.substr(7), nullptr, 16) == 1ull << (SIGPIPE - 1);
-    }
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task"))
+        blocking += signals_in(thread, "SigBlk") == 1ull << (SIGPIPE - 1);
     EXPECT_EQ(blocking, 1u) << "the io thread; one that is only beginning blocks all signals";
 }
 

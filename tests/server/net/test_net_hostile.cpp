@@ -9,21 +9,13 @@
 #include <random>
 
 #include "protocol/limits.h"
+#include "tests/support/process_status.h"
 
 namespace seaway::tests {
 namespace {
 
 using wire::Body;
 using wire::ErrorCode;
-
-/// Resident memory of this process, bytes.
-double resident_bytes() {
-    std::ifstream in("/proc/self/statm");
-    double pages_total = 0;
-    double pages_resident = 0;
-    in >> pages_total >> pages_resident;
-    return pages_resident * 4096;
-}
 
 /// Subscribes and reads in a thread, acknowledging everything; remembers the times it saw.
 class HealthySubscriber {
@@ -335,10 +327,10 @@ TEST_F(NetHostile, memory_stays_flat_while_stalled_and_broken_clients_come_and_g
     };
     wave();
     wave(); // thread arenas and buffers have their size now
-    const double before = resident_bytes();
+    const double before = memory_bytes(getpid());
     for (int round = 0; round < 8; ++round)
         wave();
-    const double grown = resident_bytes() - before;
+    const double grown = memory_bytes(getpid()) - before;
     EXPECT_EQ(healthy.gaps(), 0);
     // 240 sessions and 320 keyframes of 2 x 64 x 64 samples went by: 10 MB of floats and 1000 KB
     // for each session kept would show; fragmentation of the heap is below 4 MB.

@@ -2,13 +2,10 @@
 // The same port with TLS: a client that is bare OpenSSL over a socket.
 #include <array>
 #include <csignal>
-#include <cstdio>
-#include <fstream>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 #include <sys/socket.h>
@@ -16,6 +13,7 @@
 #include <unistd.h>
 
 #include "tests/server/net/net_fixture.h"
+#include "tests/support/certificate.h"
 
 namespace seaway::tests {
 namespace {
@@ -27,33 +25,9 @@ struct Freed {
         Free(thing);
     }
 };
-using Key = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
-using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
+using X509Ptr = std::unique_ptr<X509, Freed<X509_free>>;
 using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
 using Ssl = std::unique_ptr<SSL, Freed<SSL_free>>;
-using File = std::unique_ptr<std::FILE, Freed<std::fclose>>;
-
-/// Writes a self-signed certificate of an hour and its key as PEM files.
-void make_certificate(const std::string& cert_file, const std::string& key_file,
-                      Key key = Key(EVP_EC_gen("P-256"))) {
-    const Certificate certificate(X509_new());
-    X509_set_version(certificate.get(), 2);
-    ASN1_INTEGER_set(X509_get_serialNumber(certificate.get()), 1);
-    X509_gmtime_adj(X509_getm_notBefore(certificate.get()), -60);
-    X509_gmtime_adj(X509_getm_notAfter(certificate.get()), 3600);
-    X509_set_pubkey(certificate.get(), key.get());
-    X509_NAME* name = X509_get_subject_name(certificate.get());
-    const std::string common_name = "seaway test";
-    X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC,
-                               reinterpret_cast<const unsigned char*>(common_name.c_str()), -1, -1,
-                               0);
-    X509_set_issuer_name(certificate.get(), name);
-    X509_sign(certificate.get(), key.get(), EVP_sha256());
-    const File cert(std::fopen(cert_file.c_str(), "w"));
-    PEM_write_X509(cert.get(), certificate.get());
-    const File pem(std::fopen(key_file.c_str(), "w"));
-    PEM_write_PrivateKey(pem.get(), key.get(), nullptr, nullptr, 0, nullptr, nullptr);
-}
 
 class TlsPeer {
   public:
@@ -88,7 +62,7 @@ class TlsPeer {
     }
     /// SHA-256 of the server's certificate.
     std::string fingerprint() const {
-        const Certificate certificate(SSL_get1_peer_certificate(ssl_.get()));
+        const X509Ptr certificate(SSL_get1_peer_certificate(ssl_.get()));
         std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
         unsigned size = 0;
         X509_digest(certificate.get(), EVP_sha256(), digest.data(), &size);
@@ -152,9 +126,7 @@ class NetTls : public ::testing::Test {
         TlsPeer peer(net->port());
         EXPECT_TRUE(peer.handshake());
         peer.say("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n");
-        const std::string text = peer.hear("the end");
-        const std::size_t at = text.find("\n" + name + " ");
-        return at == std::string::npos ? -1 : std::stod(text.substr(at + name.size() + 2));
+        return figure_of(peer.hear("the end"), name);
     }
 
     SmallSea host;
@@ -358,7 +330,7 @@ TEST_F(NetTls, a_key_of_another_certificate_is_one_helpful_line) {
 TEST_F(NetTls, a_key_of_another_type_than_the_certificates_is_refused_at_the_start_and_later) {
     const std::string rsa_cert = folder().file("rsa_cert.pem"),
                       rsa_key = folder().file("rsa_key.pem"), ec_key = folder().file("ec_key.pem");
-    make_certificate(rsa_cert, rsa_key, Key(EVP_RSA_gen(2048)));
+    make_certificate(rsa_cert, rsa_key, "IP:127.0.0.1", "rsa:2048");
     make_certificate(folder().file("ec_cert.pem"), ec_key);
     server::NetOptions options;
     options.listen = "127.0.0.1:0";
@@ -372,7 +344,7 @@ TEST_F(NetTls, a_key_of_another_type_than_the_certificates_is_refused_at_the_sta
     options.tls_key_file = rsa_key;
     EXPECT_TRUE(server::NetServer::check(options));
     // The running one, of which a new certificate came without its key.
-    make_certificate(folder().file("cert.pem"), rsa_key, Key(EVP_RSA_gen(2048)));
+    make_certificate(folder().file("cert.pem"), rsa_key, "IP:127.0.0.1", "rsa:2048");
     const server::NetServer::Reloaded read = net->reload();
     ASSERT_FALSE(read.all);
     EXPECT_NE(read.all.error().message.find("not the key of the certificate"), std::string::npos);

@@ -6,6 +6,7 @@
 #include "protocol/messages.h"
 #include "protocol/spectrum_codec.h"
 #include "sea/scene/scene.h"
+#include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/spectrum_builder.h"
 #include "server/host/quality.h"
 #include "server/host/refusal.h"

@@ -215,6 +215,24 @@ TEST(Grants, only_so_many_kinds_of_coarser_maps_are_made_at_a_time) {
     EXPECT_GT(shared, 0);
 }
 
+// Naive: who comes first has all kinds of coarser maps, and thin lines of others get the worst there is.
+TEST(Grants, an_address_that_has_its_share_of_kinds_is_given_such_as_somebody_has) {
+    const server::RunningSeaPtr sea = sea_of_scene("north_sea_gale.toml");
+    std::bitset<server::quality_rungs> in_use;
+    Demand wish = wish_of({"", false, 128, 0});
+    const Demand own = granted(sea, wish, in_use);
+    EXPECT_FALSE(own.crowded);
+    wish.shared_only = true;
+    EXPECT_TRUE(granted(sea, wish, in_use).busy) << "nobody has any";
+    in_use.set(granted(sea, wish_of({"", false, 64, 0}), in_use).quality);
+    const Demand shared = granted(sea, wish, in_use);
+    EXPECT_TRUE(shared.crowded);
+    EXPECT_TRUE(in_use[shared.quality]);
+    EXPECT_NE(shared.why.find("of this address"), std::string::npos) << shared.why;
+    in_use.set(own.quality);
+    EXPECT_EQ(granted(sea, wish, in_use).quality, own.quality);
+}
+
 TEST(Quality, a_number_says_its_rung_and_no_two_have_the_same) {
     for (int quality = 0; quality < server::quality_rungs; ++quality) {
         const auto number = static_cast<std::uint8_t>(quality);

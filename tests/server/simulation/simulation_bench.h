@@ -57,10 +57,15 @@ inline Simulation::Fetched whole(std::function<void(Result<std::vector<sea::Keyf
 /// Who asks, where it does not matter.
 inline const Asker someone = Asker::who_stays();
 
-inline RunningSeaPtr running_sea(const std::string& more = {}) {
+/// The small sea, with more tables in its text.
+inline sea::Scene small_scene(const std::string& more = {}) {
     const Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
     EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return *make_running_sea(*scene, 1);
+    return scene.value();
+}
+
+inline RunningSeaPtr running_sea(const std::string& more = {}) {
+    return *make_running_sea(small_scene(more), 1);
 }
 
 /// Fails the next `failures` calls, as a lost device does.

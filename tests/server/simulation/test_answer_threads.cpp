@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -83,9 +84,7 @@ TEST(AnswerThreads, make_the_seas_that_fetches_and_points_are_of) {
                                       (120 + 100 * i) * second_us));
     const HeldSimulation held(bench);
     const auto is_made = [&](std::uint32_t epoch) {
-        for (int i = 0; i < 3000 && !bench.course->sea_if_held(epoch); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        return bench.course->sea_if_held(epoch) != nullptr;
+        return tests::eventually([&] { return bench.course->sea_if_held(epoch) != nullptr; });
     };
     // Each has one long question under way.
     const std::shared_ptr<const void> one = std::make_shared<int>(), two = std::make_shared<int>();
@@ -151,9 +150,7 @@ TEST(AnswerThreads, one_that_does_not_come_on_shows) {
     bench.simulation->answer(
         {}, false, [opened](const auto&) { opened.wait(); }, someone);
     const auto comes = [&](const auto& condition) {
-        for (int i = 0; i < 12'000 && !condition(bench.simulation->turn()); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        return condition(bench.simulation->turn());
+        return tests::eventually([&] { return condition(bench.simulation->turn()); });
     };
     EXPECT_TRUE(comes([](auto turn) { return turn > std::chrono::milliseconds(100); }));
     open.set_value();

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -30,9 +31,7 @@ class AtOnce : public ::testing::Test {
         return *by == std::this_thread::get_id();
     }
     void expect_all_answered() {
-        for (int i = 0; i < 6000 && answered_ < asked_; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        EXPECT_EQ(answered_, asked_);
+        EXPECT_TRUE(tests::eventually([&] { return answered_ == asked_; }));
     }
 
   private:

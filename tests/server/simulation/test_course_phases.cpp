@@ -10,7 +10,7 @@ namespace seaway::server {
 namespace {
 
 sea::Scene of_depth(double depth_m, const std::string& more = {}) {
-    sea::Scene scene = *sea::parse_scene(small_sea + more, "small_sea", ".");
+    sea::Scene scene = small_scene(more);
     scene.sea.depth_m = depth_m;
     return scene;
 }

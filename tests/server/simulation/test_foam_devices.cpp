@@ -6,6 +6,7 @@
 #include "server/simulation/course_synthesis.h"
 #include "server/simulation/foam_maps.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/largest_difference.h"
 
 namespace seaway::server {
 namespace {
@@ -88,14 +89,6 @@ class FoamOn : public testing::TestWithParam<On> {
 INSTANTIATE_TEST_SUITE_P(Devices, FoamOn, testing::Values(On::native, On::vulkan, On::staged),
                          name_of);
 
-double largest_difference(std::span<const float> a, std::span<const float> b) {
-    EXPECT_EQ(a.size(), b.size());
-    double largest = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        largest = std::max(largest, std::abs(double{a[i]} - double{b[i]}));
-    return largest;
-}
-
 const std::string steady = "[foam]\nthreshold = 0.8\ndecay_s = 3\n";
 const std::string calm_law = "[foam]\nthreshold = -0.9\ndecay_s = 3\n";
 const std::string three_sharp_waves = "[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\n"
@@ -128,7 +121,7 @@ TEST_P(FoamOn, every_law_gives_the_history_that_this_process_walks_at_any_time) 
             for (const TimeUs time_us :
                  {TimeUs{40'000'000}, TimeUs{40'200'000}, TimeUs{40'333'333}, TimeUs{43'000'001},
                   TimeUs{-7'000'000}, TimeUs{86'400'000'000}})
-                EXPECT_LT(largest_difference(map(foam, cascade, time_us), here.map(time_us)),
+                EXPECT_LT(tests::largest_difference(map(foam, cascade, time_us), here.map(time_us)),
                           same_ratio)
                     << law << cascade << " at " << time_us;
         }
@@ -158,7 +151,7 @@ TEST_P(FoamOn, neither_ticks_nor_a_pause_nor_the_way_there_make_a_difference) {
         (void)map(often, 0, t);
     // What a history that began elsewhere may differ by: 1e-3 (docs/foam.md).
     const std::vector<float> at_once = map(late, 0, end_us);
-    EXPECT_LT(largest_difference(map(often, 0, end_us), at_once), 1e-3);
+    EXPECT_LT(tests::largest_difference(map(often, 0, end_us), at_once), 1e-3);
     int slices = 0;
     for (bool there = false; !there; ++slices)
         there = sliced.walk_towards(*device_, 0, end_us, 7).value();
@@ -375,7 +368,7 @@ TEST_P(FoamOn, follows_a_sea_that_glides_to_another) {
     };
     const auto here = of(On::native), there = of(GetParam());
     for (std::size_t i = 0; i < here.size(); ++i)
-        EXPECT_LT(largest_difference(there[i], here[i]), same_ratio) << i;
+        EXPECT_LT(tests::largest_difference(there[i], here[i]), same_ratio) << i;
 }
 
 } // namespace

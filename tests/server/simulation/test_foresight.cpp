@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is made ready for whom: those who ask about now over and over, and nobody else.
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -64,9 +65,7 @@ TEST(Foresight, splines_of_the_stream_are_there_before_anybody_asks_about_their_
     const std::size_t now = keyframes_around(*bench.course, {times_us, 1}, all).size();
     const std::size_t expected = keyframes_around(*bench.course, times_us, all).size();
     ASSERT_GT(expected, now) << "a keyframe begins between";
-    for (int i = 0; i < 10'000 && splined() < expected; ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    EXPECT_GE(splined(), expected);
+    EXPECT_TRUE(tests::eventually([&] { return splined() >= expected; }));
     // What the server asks itself is not counted.
     const std::uint64_t questions = bench.simulation->counters().questions;
     bench.now_us += 3 * foreseen_step_us;

@@ -63,7 +63,7 @@ TEST(Prices, points_at_one_time_share_its_surface_and_points_at_many_pay_for_eac
 
 // Naive: who asks about the seas of a long log has them made before anybody has said what that takes.
 TEST(Prices, seas_that_are_not_made_are_paid_for_and_none_is_made_to_know_it) {
-    const sea::Scene scene = *sea::parse_scene(small_sea, "small_sea", ".");
+    const sea::Scene scene = small_scene();
     const auto course = *SeaCourse::begin(scene);
     for (int i = 0; i < 100; ++i)
         ASSERT_TRUE(course->add(scene, (100 * i + 50) * second_us, (100 * i + 70) * second_us));
@@ -84,7 +84,7 @@ TEST(Prices, seas_that_are_not_made_are_paid_for_and_none_is_made_to_know_it) {
 }
 
 TEST(Prices, an_exact_sum_in_a_glide_has_its_waves_made_for_each_time) {
-    const sea::Scene scene = *sea::parse_scene(small_sea, "small_sea", ".");
+    const sea::Scene scene = small_scene();
     const auto course = *SeaCourse::begin(scene);
     ASSERT_TRUE(course->add(scene, 100 * second_us, 200 * second_us));
     (void)course->sea(2);
@@ -101,7 +101,7 @@ TEST(Prices, an_exact_sum_in_a_glide_has_its_waves_made_for_each_time) {
 
 // Naive: the waves of all cascades, though a device is given those alone that are asked for.
 TEST(Prices, a_keyframe_in_a_glide_has_the_waves_of_its_cascade_made_and_of_no_other) {
-    const sea::Scene scene = *sea::parse_scene(small_sea, "small_sea", ".");
+    const sea::Scene scene = small_scene();
     const auto course = *SeaCourse::begin(scene);
     ASSERT_TRUE(course->add(scene, 100 * second_us, 200 * second_us));
     (void)course->sea(2);
@@ -143,7 +143,7 @@ TEST(Prices, stylised_waves_are_paid_for_by_keyframes_that_have_them) {
 
 TEST(Prices, foam_of_a_calm_sea_has_no_start_as_long_as_nothing_follows_it) {
     const std::string calm_law = "[foam]\nthreshold = -0.9\ndecay_s = 5\n";
-    const sea::Scene scene = *sea::parse_scene(small_sea + calm_law, "small_sea", ".");
+    const sea::Scene scene = small_scene(calm_law);
     const auto course = *SeaCourse::begin(scene);
     const Prices prices(course);
     const auto foam_us = [&] { return prices.fetch_us({0}, {1u, {Field::foam}}, nothing_held); };

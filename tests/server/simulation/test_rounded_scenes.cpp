@@ -18,6 +18,7 @@
 #include "tests/server/publish/predicted_sea.h"
 #include "tests/server/publish/tile_of.h"
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/largest_difference.h"
 
 namespace seaway::server {
 namespace {
@@ -210,13 +211,6 @@ TEST_P(RoundedScene, answers_are_within_what_they_state_and_state_what_rounding_
     }
 }
 
-double farthest(std::span<const float> a, std::span<const float> b) {
-    double worst = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        worst = std::max(worst, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
-    return worst;
-}
-
 /// A sea that glides from 20 to 30 s, on a device that rounds.
 class RoundedGlide : public testing::Test {
   protected:
@@ -258,7 +252,7 @@ TEST_F(RoundedGlide, rates_have_what_the_sea_grows_by_and_are_no_further_off) {
         ASSERT_NE(map, nullptr) << sea::info(field).name;
         EXPECT_EQ(map->steps.empty(), sea::info(field).time_rate) << sea::info(field).name;
         // A rate has the sum of two floats, rounded once: 2^-24 of 10 m/s.
-        EXPECT_LE(farthest(exact->plane(field), rounded->plane(field)),
+        EXPECT_LE(tests::largest_difference(exact->plane(field), rounded->plane(field)),
                   static_cast<double>(map->error) + 1e-6)
             << sea::info(field).name;
     }
@@ -307,7 +301,8 @@ TEST_P(RoundedScene, predicted_heights_are_within_the_bound) {
                     {tile.payload()->data(), tile.payload()->size()}, {tile.width(), tile.height()},
                     stride, std::span(back).subspan(tile.y0() * stride + tile.x0())));
             }
-            EXPECT_LE(farthest(back, exact[0]->plane(map.field)), static_cast<double>(map.error))
+            EXPECT_LE(tests::largest_difference(back, exact[0]->plane(map.field)),
+                      static_cast<double>(map.error))
                 << sea::info(map.field).name << " at " << time_us;
         }
     }

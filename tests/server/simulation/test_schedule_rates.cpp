@@ -29,7 +29,7 @@ constexpr Demand rare_demand() {
 
 /// A sea whose keyframes come more often than that, a glide from 10 s on, and from 20 s on another one.
 std::shared_ptr<SeaCourse> course_with_a_change() {
-    const auto course = *SeaCourse::begin(*sea::parse_scene(small_sea, "small_sea", "."));
+    const auto course = *SeaCourse::begin(small_scene());
     sea::Scene stormy = course->first()->scene;
     std::get<sea::WindSea>(stormy.sea.systems[0]).wind_speed_10m_mps = 9.0;
     EXPECT_TRUE(course->add(stormy, 10'123'456, 20'234'567));
@@ -129,8 +129,7 @@ TEST(ScheduleRates, the_stream_of_all_keyframes_is_the_same_whoever_takes_fewer)
 // interval, a second, its reader has nothing behind now.
 TEST(ScheduleRates, who_takes_fewer_has_those_of_a_change_that_takes_over_from_one_to_come) {
     for (int c = 0; c < 2; ++c) {
-        const auto course =
-            SeaCourse::begin(*sea::parse_scene(small_sea, "small_sea", ".")).value();
+        const auto course = SeaCourse::begin(small_scene()).value();
         const RunningSeaPtr first = course->first();
         sea::Scene other = first->scene;
         std::get<sea::WindSea>(other.sea.systems[0]).wind_speed_10m_mps = 5.0;

@@ -18,12 +18,6 @@
 namespace seaway::server {
 namespace {
 
-sea::Scene scene_of(const std::string& more = {}) {
-    Result<sea::Scene> scene = sea::parse_scene(small_sea + more, "small_sea", ".");
-    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return *std::move(scene);
-}
-
 sea::Scene windy(const sea::Scene& scene, const std::string& wind_mps) {
     const TomlAssignment wind{"systems.0.wind_speed_10m_mps", wind_mps};
     Result<sea::Scene> next = sea::changed(scene, {&wind, 1});
@@ -50,17 +44,17 @@ TEST(SeaCourse, a_change_for_which_there_is_no_memory_has_not_changed_anything) 
     for (int i = 0; i < 6; ++i)
         rows += "[[weather]]\nat_s = " + std::to_string(300 + 40 * i) +
                 "\nover_s = 20\nset.systems.0.from_deg = " + std::to_string(250 + i) + "\n";
-    const sea::Scene scene = scene_of(rows);
+    const sea::Scene scene = small_scene(rows);
     const auto add = [&](SeaCourse& course) {
         return course.add(scene, 100 * second_us, 160 * second_us);
     };
-    const auto whole = *SeaCourse::begin(scene_of());
+    const auto whole = *SeaCourse::begin(small_scene());
     const tests::Allocations counted;
     ASSERT_TRUE(add(*whole));
     const std::size_t asked = counted.count();
     int failed = 0;
     for (std::size_t last = 1; last <= 12; ++last) {
-        const auto course = *SeaCourse::begin(scene_of());
+        const auto course = *SeaCourse::begin(small_scene());
         try {
             const tests::NoMemoryOnce none(asked - last);
             (void)add(*course);
@@ -86,8 +80,8 @@ TEST(SeaCourse, a_change_for_which_there_is_no_memory_has_not_changed_anything) 
 }
 
 TEST(SeaCourse, a_change_is_a_glide_and_the_sea_that_it_leads_to) {
-    const auto course = *SeaCourse::begin(scene_of());
-    ASSERT_TRUE(course->add(windy(scene_of(), "14.0"), 100 * second_us, 160 * second_us));
+    const auto course = *SeaCourse::begin(small_scene());
+    ASSERT_TRUE(course->add(windy(small_scene(), "14.0"), 100 * second_us, 160 * second_us));
     EXPECT_EQ(course->epochs(), 3u);
     EXPECT_EQ(course->at(99 * second_us)->epoch, 1u);
     EXPECT_EQ(course->at(100 * second_us)->epoch, 2u);
@@ -101,17 +95,17 @@ TEST(SeaCourse, a_change_is_a_glide_and_the_sea_that_it_leads_to) {
     EXPECT_LT(hs_m(*course, 130 * second_us), last);
     // The sea that it leads to is that of its scene alone, bit for bit.
     EXPECT_EQ(course->sea(3)->realization->cascades[0].h0,
-              (*make_running_sea(windy(scene_of(), "14.0"), 1))->realization->cascades[0].h0);
+              (*make_running_sea(windy(small_scene(), "14.0"), 1))->realization->cascades[0].h0);
 }
 
 // What every epoch is beyond its window joins the next one: both keyframes of an interval are of one sea.
 TEST(SeaCourse, seas_of_neighbouring_epochs_are_one_where_they_meet) {
-    const auto course = *SeaCourse::begin(scene_of());
-    sea::Scene shallow = windy(scene_of(), "13.0");
+    const auto course = *SeaCourse::begin(small_scene());
+    sea::Scene shallow = windy(small_scene(), "13.0");
     shallow.sea.depth_m = 15.0; // other frequencies
     ASSERT_TRUE(course->add(shallow, 100 * second_us, 130 * second_us));
     ASSERT_TRUE(course->add(windy(shallow, "5.0"), 115 * second_us, 140 * second_us)); // takes over
-    ASSERT_TRUE(course->add(scene_of(), 200 * second_us, 230 * second_us));
+    ASSERT_TRUE(course->add(small_scene(), 200 * second_us, 230 * second_us));
     EXPECT_TRUE(course->window(3).empty()) << "another took over before it began";
     const auto windows = course->windows(0, 1000 * second_us);
     ASSERT_EQ(windows.size(), 6u);
@@ -127,8 +121,8 @@ TEST(SeaCourse, seas_of_neighbouring_epochs_are_one_where_they_meet) {
 
 TEST(SeaCourse, the_same_log_is_the_same_sea_whatever_was_asked_before) {
     const auto replayed = [](bool asked_along) {
-        const auto course = *SeaCourse::begin(scene_of());
-        sea::Scene scene = scene_of();
+        const auto course = *SeaCourse::begin(small_scene());
+        sea::Scene scene = small_scene();
         for (int i = 0; i < 8; ++i) {
             scene.sea.depth_m = i % 2 ? 20.0 : 40.0; // phases hang on each other
             scene = windy(scene, std::to_string(6 + i) + ".5");
@@ -147,7 +141,7 @@ TEST(SeaCourse, the_same_log_is_the_same_sea_whatever_was_asked_before) {
 }
 
 TEST(SeaCourse, a_timetable_brings_its_storm_by_itself) {
-    const auto course = *SeaCourse::begin(scene_of(R"(
+    const auto course = *SeaCourse::begin(small_scene(R"(
 [[weather]]
 at_s = 60
 over_s = 20
@@ -162,36 +156,36 @@ set.systems.0.wind_speed_10m_mps = 5
     EXPECT_GT(storm, 1.8 * calm);
     EXPECT_LT(hs_m(*course, 200 * second_us), calm);
     // A change by hand ends the timetable from its start on.
-    ASSERT_TRUE(course->add(windy(scene_of(), "16"), 90 * second_us, 110 * second_us));
+    ASSERT_TRUE(course->add(windy(small_scene(), "16"), 90 * second_us, 110 * second_us));
     EXPECT_GT(hs_m(*course, 200 * second_us), 1.8 * calm);
     EXPECT_TRUE(course->window(4).empty());
 }
 
 TEST(SeaCourse, what_cannot_change_while_a_sea_runs_is_refused_by_name_and_changes_nothing) {
-    const auto course = *SeaCourse::begin(scene_of());
+    const auto course = *SeaCourse::begin(small_scene());
     const auto refused = [&](const sea::Scene& scene) {
         const Result<void> added = course->add(scene, 100 * second_us, 130 * second_us);
         return added ? std::string("taken") : added.error().message;
     };
-    sea::Scene other = scene_of();
+    sea::Scene other = small_scene();
     other.cascades[0].size = 128;
     EXPECT_EQ(refused(other).substr(0, 7), "cascade");
-    other = scene_of();
+    other = small_scene();
     other.effects.foam = false;
     EXPECT_EQ(refused(other).substr(0, 7), "effects");
-    other = scene_of();
+    other = small_scene();
     other.accuracy.height_error_m = 0.5;
     EXPECT_EQ(refused(other).substr(0, 8), "accuracy");
-    other = scene_of();
+    other = small_scene();
     other.accuracy.certificate.name = "c.json";
     EXPECT_EQ(refused(other).substr(0, 20), "accuracy.certificate") << refused(other);
-    other = scene_of();
+    other = small_scene();
     other.foam.decay_s = 1;
     EXPECT_EQ(refused(other).substr(0, 12), "foam.decay_s");
-    other = scene_of();
+    other = small_scene();
     other.sea.loop_period_s = 60;
     EXPECT_NE(refused(other).find("loop_period_s"), std::string::npos);
-    other = scene_of();
+    other = small_scene();
     sea::ExplicitModes modes;
     modes.length_m = 77;
     modes.modes = {{1, 0, 0.5, 0.0}};
@@ -202,7 +196,7 @@ TEST(SeaCourse, what_cannot_change_while_a_sea_runs_is_refused_by_name_and_chang
 
 /// Slopes of 1.3e6 at 100 m.
 sea::Scene steep_scene(double amplitude_m) {
-    sea::Scene steep = scene_of();
+    sea::Scene steep = small_scene();
     steep.sea.systems.clear();
     sea::ExplicitModes modes;
     modes.length_m = 0.1;
@@ -263,8 +257,8 @@ TEST(SeaCourse, what_a_log_holds_runs_however_steep_it_is) {
 
 // Of a change between two equally high seas of other directions the envelope is as high as both together.
 TEST(SeaCourse, the_bounds_of_a_glide_hold_the_waves_of_both_seas) {
-    const auto course = *SeaCourse::begin(scene_of());
-    sea::Scene low = windy(scene_of(), "3.0");
+    const auto course = *SeaCourse::begin(small_scene());
+    sea::Scene low = windy(small_scene(), "3.0");
     ASSERT_TRUE(course->add(low, 100 * second_us, 130 * second_us));
     const sea::ErrorBudget &high_b = course->sea(1)->budget, &glide = course->sea(2)->budget,
                            &low_b = course->sea(3)->budget;
@@ -281,11 +275,11 @@ TEST(SeaCourse, the_bounds_of_a_glide_hold_the_waves_of_both_seas) {
 
 // Naive: each sea reads the file that its scene names, days later, when it may have gone.
 TEST(SeaCourse, seas_to_come_have_the_certificate_that_was_read_at_the_start) {
-    RunningSea first = **make_running_sea(scene_of(), 1);
+    RunningSea first = **make_running_sea(small_scene(), 1);
     first.scene.accuracy.certificate = {"c.json", "no_such_folder/c.json"};
     first.certificate = std::make_shared<const sea::Certificate>();
     SeaCourse course(std::make_shared<const RunningSea>(first));
-    sea::Scene next = windy(scene_of(), "11");
+    sea::Scene next = windy(small_scene(), "11");
     ASSERT_TRUE(course.add(next, 100 * second_us, 130 * second_us));
     next.accuracy.certificate = first.scene.accuracy.certificate;
     ASSERT_TRUE(course.add(next, 200 * second_us, 230 * second_us));
@@ -295,10 +289,10 @@ TEST(SeaCourse, seas_to_come_have_the_certificate_that_was_read_at_the_start) {
 
 // Naive: each of the threads that answer makes the sea that its question is of, and none is left for those whose sea is there.
 TEST(SeaCourse, while_one_thread_makes_a_sea_no_other_waits_for_it_that_does_not_want_to) {
-    const auto course = *SeaCourse::begin(scene_of());
+    const auto course = *SeaCourse::begin(small_scene());
     for (int i = 1; i <= 60; ++i)
-        ASSERT_TRUE(course->add(windy(scene_of(), std::to_string(5 + i % 9)), 100 * i * second_us,
-                                (100 * i + 20) * second_us));
+        ASSERT_TRUE(course->add(windy(small_scene(), std::to_string(5 + i % 9)),
+                                100 * i * second_us, (100 * i + 20) * second_us));
     std::atomic<int> told = 0;
     course->when_made([&told] { ++told; });
     bool refused = false;
@@ -323,10 +317,10 @@ TEST(SeaCourse, while_one_thread_makes_a_sea_no_other_waits_for_it_that_does_not
 
 // Naive: a log of a month is a month of seas in memory.
 TEST(SeaCourse, seas_are_let_go_and_made_again) {
-    const auto course = *SeaCourse::begin(scene_of());
+    const auto course = *SeaCourse::begin(small_scene());
     std::weak_ptr<const RunningSea> early;
     for (int i = 1; i <= 10; ++i) {
-        ASSERT_TRUE(course->add(windy(scene_of(), std::to_string(5 + i)), 100 * i * second_us,
+        ASSERT_TRUE(course->add(windy(small_scene(), std::to_string(5 + i)), 100 * i * second_us,
                                 (100 * i + 20) * second_us));
         if (i == 1)
             early = course->at(130 * second_us);
@@ -341,7 +335,7 @@ TEST(SeaCourse, seas_are_let_go_and_made_again) {
 
 // Naive: ten decay times back, the seas of a whole log, which cost as little as those of the time itself.
 TEST(FetchedSeas, of_foam_are_those_that_it_remembers_and_are_paid_for) {
-    const sea::Scene scene = scene_of("[foam]\nthreshold = 0.8\ndecay_s = 1e5\n");
+    const sea::Scene scene = small_scene("[foam]\nthreshold = 0.8\ndecay_s = 1e5\n");
     const auto course = *SeaCourse::begin(scene);
     for (int i = 0; i < 60; ++i)
         ASSERT_TRUE(course->add(scene, (100 * i + 50) * second_us, (100 * i + 70) * second_us));

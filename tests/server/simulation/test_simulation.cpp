@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -396,21 +397,17 @@ TEST(EffectPlan, each_real_field_is_one_transform_and_the_jacobian_takes_three) 
 // The publisher hangs as long as the test holds its lock: the slice does not end, and that shows from outside.
 TEST(Simulation, a_slice_that_does_not_end_shows_and_sleep_does_not) {
     Bench bench;
-    const auto comes = [](const auto& condition) {
-        for (int i = 0; i < 12'000 && !condition(); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        return condition();
-    };
     using std::chrono::milliseconds;
-    EXPECT_TRUE(comes([&] { return bench.simulation->turn() == milliseconds(0); }));
+    EXPECT_TRUE(tests::eventually([&] { return bench.simulation->turn() == milliseconds(0); }));
     {
         const std::scoped_lock hold(bench.mutex);
         bench.subscriptions.set(1, {.cascades = 1, .fields = {Field::height}});
-        EXPECT_TRUE(comes([&] { return bench.simulation->turn() > milliseconds(400); }));
+        EXPECT_TRUE(
+            tests::eventually([&] { return bench.simulation->turn() > milliseconds(400); }));
         EXPECT_TRUE(bench.simulation->healthy()) << "nothing has failed, it only hangs";
     }
     bench.subscriptions.erase(1);
-    EXPECT_TRUE(comes([&] { return bench.simulation->turn() == milliseconds(0); }));
+    EXPECT_TRUE(tests::eventually([&] { return bench.simulation->turn() == milliseconds(0); }));
 }
 
 } // namespace

@@ -5,8 +5,6 @@
 // After a change that is meant to be seen, look at the new pictures and keep them:
 //     SEAWAY_GOLDEN=write build/dev/tests/client/view/golden/test_golden
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <random>
@@ -17,6 +15,7 @@
 #include "tests/client/view/golden/picture_difference.h"
 #include "tests/client/view/golden/picture_of_file.h"
 #include "tests/support/folder.h"
+#include "tests/support/program.h"
 #include "tests/support/server_process.h"
 
 namespace seaway::tests {
@@ -46,16 +45,11 @@ std::string kept(const View& view) {
 
 /// What the program says when it fails; empty if it drew.
 std::string draw(const std::string& url, const View& view, const std::string& path) {
-    const std::string command = std::string(SEAWAY_BIN_DIR "/seaway-view ") + url +
-                                " --offscreen 256x144 --time 100 --quality default --camera " +
-                                view.camera + " --time-of-day " + view.hour + " --out " + path +
-                                " --timeout 120 2>&1";
-    std::FILE* pipe = popen(command.c_str(), "r");
-    std::string text;
-    std::array<char, 256> line{};
-    while (std::fgets(line.data(), line.size(), pipe) != nullptr)
-        text += line.data();
-    return pclose(pipe) == 0 ? "" : command + ": " + text;
+    const std::string arguments =
+        url + " --offscreen 256x144 --time 100 --quality default --camera " + view.camera +
+        " --time-of-day " + view.hour + " --out " + path + " --timeout 120";
+    const Output ran = run_program("seaway-view", arguments);
+    return ran.status == 0 ? "" : arguments + ": " + ran.said();
 }
 
 class Golden : public testing::TestWithParam<View> {};

@@ -2,7 +2,6 @@
 // Skies from pictures: what they hold, and what is refused.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -11,6 +10,7 @@
 #include "client/view/sky/sky_feed.h"
 #include "tests/client/view/sky/air_fixture.h"
 #include "tests/client/view/sky/sky_files.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::client {
 namespace {
@@ -241,8 +241,7 @@ TEST(Environment, what_is_no_sky_is_refused_by_name) {
     const EnvironmentPicture fine = sky_picture(64, 32, evening_sky);
     const std::string path = sky_file("fine.exr", fine);
     ASSERT_EQ(refusal(path), "read");
-    std::ifstream in(path, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+    const std::string bytes = tests::read_file(path);
     EXPECT_THAT(refusal(folder.write("cut.exr", bytes.substr(0, bytes.size() / 2))),
                 HasSubstr("cannot be read"));
     EXPECT_THAT(refusal(folder.write("head.exr", bytes.substr(0, 100))),
@@ -267,8 +266,7 @@ TEST(Environment, what_is_no_sky_is_refused_by_name) {
 
 // A header that speaks of 2^30 columns is refused before memory is asked for.
 TEST(Environment, a_header_of_an_enormous_picture_is_refused) {
-    std::ifstream in(sky_file("honest.exr", sky_picture(64, 32, evening_sky)), std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(in)), {});
+    std::string bytes = tests::read_file(sky_file("honest.exr", sky_picture(64, 32, evening_sky)));
     for (const char* name : {"dataWindow", "displayWindow"}) {
         // Name, 0, "box2i", 0, 16 as four bytes, then x and y from and to.
         const std::size_t x_max = bytes.find(name) + std::string(name).size() + 1 + 6 + 4 + 8;

@@ -175,7 +175,7 @@ void Crowd::publish() {
                 });
                 return true;
             };
-            judge_.require(core_->encoding.submit_streamed(job), "there is a place to encode");
+            judge_.require(core_->encoding.submit_streamed(job) == 0, "there is a place to encode");
             settle();
         }
 }
@@ -223,7 +223,7 @@ void Crowd::settle() {
         done.count_down();
         return true;
     };
-    const bool taken = core_->encoding.submit_streamed(last) &&
+    const bool taken = core_->encoding.submit_streamed(last) == 0 &&
                        core_->encoding.submit_fetched(last) && core_->encoding.submit_start(last) &&
                        core_->spectra.submit_start(last);
     judge_.require(taken, "the encoder takes what little there is");
