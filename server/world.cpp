@@ -24,6 +24,9 @@ namespace {
 /// States of seas that are held ready; one of an older sea is made again where somebody asks for its keyframes.
 constexpr std::size_t sea_states_kept = 64;
 
+/// Who got other coarser maps than were wished for looks so often, by sea time, whether there is room for those.
+constexpr sea::TimeUs looks_for_room_us = 2'000'000;
+
 SharedBytes pace_message(const sea::Pace& pace) {
     return std::make_shared<const std::vector<std::uint8_t>>(protocol::pace(pace));
 }
@@ -213,6 +216,8 @@ Demand World::grant(const Demand& wish, std::optional<SessionId> instead_of) con
     Demand granted = grant_of(wish, budgets, seas.front()->streamed(),
                               subscriptions().qualities_but(instead_of));
     granted.until_us = course_->window(seas.front()->epoch).end_us;
+    if (granted.crowded)
+        granted.until_us = std::min(granted.until_us, clock_.now_us() + looks_for_room_us);
     return granted;
 }
 

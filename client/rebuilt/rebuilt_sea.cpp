@@ -98,8 +98,9 @@ Result<void> can_be_compared(const protocol::SeaStateValues& state) {
 Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea) {
     SEAWAY_TRY(can_be_compared(state));
     const sea::ProbeDifference off = sea::compare(sea.sum(), state.probes);
-    const double height_m = sea.error().height_m + state.probe_error_m;
-    const double displacement_m = sea.error().displacement_m + state.probe_error_m;
+    constexpr double more = sea::same_sigmas / sea::bound_sigmas;
+    const double height_m = more * sea.error().height_m + state.probe_error_m;
+    const double displacement_m = more * sea.error().displacement_m + state.probe_error_m;
     if (off.within(height_m, displacement_m))
         return {};
     return failed(Failure::not_held,

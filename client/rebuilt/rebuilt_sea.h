@@ -88,7 +88,7 @@ class RebuiltSea final : public OwnSea {
 using RebuiltSeaPtr = std::shared_ptr<const RebuiltSea>;
 
 /// Is it the sea of this state, by the probes that came with it? An error (not_held): it is further from them than
-/// its error allows, or none came.
+/// eight deviations of its error, where an answer's bound is five, or none came.
 Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea);
 
 /// Makes the sea of the scene that a sea state brings, and holds it against the probes. Errors (not_held): no

@@ -98,7 +98,8 @@ std::size_t codec_for(Budgets budgets, const Demand& wish, Rung rung) {
     return cheapest_within(wished_m);
 }
 
-/// A rung that others have and that is no more than this one, the one with the smallest error; none: the same one.
+/// A rung that others have and that is no more than this one, the one with the smallest error; none: the same one. Of the same rate,
+/// which a stream keeps when its grant is renewed.
 Quality shared_instead(Budgets budgets, const Rung& wished, std::uint32_t cascades,
                        const std::bitset<quality_rungs>& in_use) {
     Quality best = number_of(wished);
@@ -106,9 +107,8 @@ Quality shared_instead(Budgets budgets, const Rung& wished, std::uint32_t cascad
     for (std::size_t n = whole_rungs; n < in_use.size(); ++n) {
         const Rung rung = rung_of(static_cast<Quality>(n));
         const bool alike = rung.compact == wished.compact && rung.predicted == wished.predicted &&
-                           (rung.size == 0) == (wished.size == 0) &&
-                           (rung.rate == 0) == (wished.rate == 0);
-        if (!in_use[n] || !alike || rung.size < wished.size || rung.rate < wished.rate)
+                           (rung.size == 0) == (wished.size == 0) && rung.rate == wished.rate;
+        if (!in_use[n] || !alike || rung.size < wished.size)
             continue;
         if (const double bound_m = error_m(budgets, rung, cascades);
             best_m == 0 || bound_m < best_m) {

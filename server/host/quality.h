@@ -32,7 +32,7 @@ inline constexpr auto quality_rungs =
 /// Of those, that somebody has at a time: each is encoded for itself, so that crowds of odd wishes cost no more than so
 /// many.
 inline constexpr std::size_t coarser_rungs_max = 8;
-/// Of those, that sessions of one address began.
+/// Of those, that sessions of one address have when another one of it may begin one.
 inline constexpr std::size_t coarser_rungs_of_address_max = 4;
 
 /// One of each.

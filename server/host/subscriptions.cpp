@@ -11,8 +11,8 @@ void Subscriptions::set(SessionId session, const Demand& grant) {
         Demand now = grant; // where there is no memory for it nothing has changed
         const std::scoped_lock lock(mutex_);
         const auto [at, is_new] = grants_.try_emplace(session);
-        if (!is_new && --of_quality_[at->second.quality] == 0 && is_coarser(at->second.quality))
-            ++coarser_given_up_;
+        if (!is_new)
+            --of_quality_[at->second.quality];
         if (now.empty()) {
             grants_.erase(at);
             if (is_new)

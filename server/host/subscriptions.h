@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <bitset>
 #include <cstdint>
 #include <functional>
@@ -94,8 +93,6 @@ class Subscriptions {
     /// Rungs at which anybody (`but` one) wants any, without a look at each session, as each session asks for it when grants are renewed.
     std::bitset<quality_rungs> qualities() const { return qualities_but({}); }
     std::bitset<quality_rungs> qualities_but(std::optional<SessionId> session) const;
-    /// So many times nobody was left at a rung of coarser maps. Without a lock.
-    std::uint64_t coarser_given_up() const { return coarser_given_up_; }
     /// The same of those who do not want a field.
     sea::FieldSet wanted_without(int cascade, sea::Field field) const;
 
@@ -107,7 +104,6 @@ class Subscriptions {
     mutable std::mutex mutex_;
     std::map<SessionId, Demand> grants_;
     std::array<std::size_t, quality_rungs> of_quality_{}; ///< how many have each
-    std::atomic<std::uint64_t> coarser_given_up_ = 0;
 };
 
 } // namespace seaway::server

@@ -36,10 +36,7 @@ constexpr const char* layout = R"(
 )";
 static_assert(application_id == 1399153015 && version == 2, "as the layout says");
 /// What layout 1 lacks. The header of a file may still say 1 when what stands beside it says 2.
-constexpr const char* has_when_made =
-    "SELECT count(*) FROM pragma_table_info('changes') WHERE name = 'made_utc_us'";
-constexpr const char* when_last_made =
-    "SELECT made_utc_us FROM changes ORDER BY epoch DESC LIMIT 1";
+constexpr const char* when_last_made = "SELECT max(made_utc_us) FROM changes";
 constexpr const char* add_when_made =
     "BEGIN IMMEDIATE; ALTER TABLE changes ADD COLUMN made_utc_us INTEGER; "
     "PRAGMA user_version = 2; COMMIT";
@@ -344,10 +341,20 @@ Result<void> SqliteJournal::look_through() {
 }
 
 Result<void> SqliteJournal::read_when_made() {
-    SEAWAY_TRY_LET(const std::int64_t says, first_number(database_.get(), has_when_made));
-    if (says == 0)
-        return run(database_.get(), add_when_made);
-    SEAWAY_TRY_LET(made_utc_us_, first_number(database_.get(), when_last_made));
+    SEAWAY_TRY_LET(const std::int64_t says, first_number(database_.get(), "PRAGMA user_version"));
+    if ((says_when_made_ = says == version)) {
+        SEAWAY_TRY_LET(made_utc_us_, first_number(database_.get(), when_last_made));
+    }
+    return {};
+}
+
+/// Into the file itself, so that an earlier version names it instead of failing at its next change.
+Result<void> SqliteJournal::say_when_made() {
+    if (says_when_made_)
+        return {};
+    SEAWAY_TRY(run(database_.get(), add_when_made));
+    says_when_made_ = true;
+    (void)run(database_.get(), "PRAGMA wal_checkpoint(TRUNCATE)"); // else the next close does
     return {};
 }
 
@@ -425,7 +432,9 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
         return wrong("was removed or replaced while this server runs: a restart goes on with what "
                      "is there then");
     const std::uint64_t sum = sum_of(sum_, change);
-    if (const Result<void> written = insert(database_.get(), change, sum, now_utc_us); !written)
+    const Result<void> says = say_when_made();
+    const Result<void> written = says ? insert(database_.get(), change, sum, now_utc_us) : says;
+    if (!written)
         return undone(wrong(written.error().message));
     log_file_ = log_file_ ? log_file_ : file_identity(path_ + "-wal");
     sum_ = sum;

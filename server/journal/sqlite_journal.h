@@ -3,7 +3,7 @@
 //
 // The file comes into being whole, by a rename. So a file that is there is a journal, or it is named and left alone:
 // one of another program, one that is damaged, one that a later version wrote. The folder is this process's while
-// the journal is open (DIR/lock). Layout 1 did not say when a change was made: such a file is given that column when it is opened.
+// the journal is open (DIR/lock). Layout 1 did not say when a change was made: such a file is given that column before its next change.
 #pragma once
 
 #include <atomic>
@@ -54,6 +54,7 @@ class SqliteJournal final : public Journal {
     Result<void> open_file();
     Result<void> look_through();
     Result<void> read_when_made();
+    Result<void> say_when_made();
     void hold(const SeaChange& last);
     Result<void> check_clock(std::int64_t now_utc_us) const;
     Error wrong(const std::string& why) const;
@@ -78,6 +79,7 @@ class SqliteJournal final : public Journal {
     std::uint64_t sum_ = 0;                     ///< of all changes
     std::function<std::int64_t()> elapsed_us_;  ///< none: it is not said when changes are made
     std::atomic<std::int64_t> made_utc_us_ = 0; ///< the last one; 0: not known
+    bool says_when_made_ = true;                ///< the file is of layout 2
 };
 
 } // namespace seaway::server

@@ -14,8 +14,8 @@ EncodeWorker::~EncodeWorker() {
     stop();
 }
 
-std::size_t EncodeWorker::submit_streamed(Job job, const sea::KeyframePtr& keyframe,
-                                          std::size_t rank) {
+std::size_t EncodeWorker::submit_streamed(Job job, const KeyframeTiles& tiles) {
+    const sea::KeyframePtr& keyframe = tiles.keyframe;
     Line left_out; // what jobs hold is released outside the lock
     {
         const std::lock_guard lock(mutex_);
@@ -24,7 +24,8 @@ std::size_t EncodeWorker::submit_streamed(Job job, const sea::KeyframePtr& keyfr
         if (streamed_.size() >= streamed_waiting_max)
             leave_out_the_oldest(left_out);
         Waiting next{std::move(job), keyframe};
-        next.rank = rank;
+        next.quality = tiles.quality;
+        next.rank = rank_of(tiles);
         if (const Waiting* same = another_of(next.of)) {
             next.place = same->place;
             next.arrived = same->arrived;
@@ -37,8 +38,7 @@ std::size_t EncodeWorker::submit_streamed(Job job, const sea::KeyframePtr& keyfr
                 leave_out_the_oldest(left_out);
             }
         }
-        const auto later = std::ranges::upper_bound(streamed_, rank, {},
-                                                    [](const Waiting& one) { return one.rank; });
+        const auto later = std::ranges::upper_bound(streamed_, next.rank, {}, &Waiting::rank);
         streamed_.insert(later, std::move(next));
     }
     wake_.notify_one();
@@ -52,6 +52,15 @@ const EncodeWorker::Waiting* EncodeWorker::another_of(const sea::KeyframePtr& ke
         return encoded_now_;
     const auto found = std::ranges::find(streamed_, keyframe, &Waiting::of);
     return found == streamed_.end() ? nullptr : &*found;
+}
+
+std::size_t EncodeWorker::rank_of(const KeyframeTiles& tiles) const {
+    std::size_t rank = tiles.rank;
+    for (const Waiting& one : streamed_)
+        if (tiles.keyframe != nullptr && one.of != nullptr && one.quality == tiles.quality &&
+            one.of->cascade == tiles.keyframe->cascade)
+            rank = std::max(rank, one.rank);
+    return rank;
 }
 
 void EncodeWorker::leave_out_the_oldest(Line& left_out) {

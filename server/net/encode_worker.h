@@ -11,6 +11,7 @@
 #include <mutex>
 #include <thread>
 
+#include "server/host/host.h"
 #include "server/publish/encoder.h"
 
 namespace seaway::server {
@@ -34,11 +35,10 @@ class EncodeWorker {
     EncodeWorker(const EncodeWorker&) = delete;
     EncodeWorker& operator=(const EncodeWorker&) = delete;
 
-    /// A keyframe that is to be streamed at one of its rungs; `rank`: so many of them have more readers. The keyframe has its
-    /// room once, until the last of its rungs is encoded. How many rungs were left out for want of room, or of a place in
-    /// the line: all that waits of the keyframes that came first, or this one. Any thread.
-    [[nodiscard]] std::size_t submit_streamed(Job job, const sea::KeyframePtr& keyframe = nullptr,
-                                              std::size_t rank = 0);
+    /// A keyframe that is to be streamed at one of its rungs: those of lower rank go first, of one rung of a cascade those that
+    /// came first. The keyframe has its room once, until the last of its rungs is encoded. How many rungs were left out for
+    /// want of room, or of a place in the line: all that waits of the keyframes that came first, or this one. Any thread.
+    [[nodiscard]] std::size_t submit_streamed(Job job, const KeyframeTiles& tiles = {});
     /// False: full, or stopped. Any thread.
     [[nodiscard]] bool submit_fetched(Job job);
     [[nodiscard]] bool submit_start(Job job);
@@ -55,6 +55,7 @@ class EncodeWorker {
         sea::KeyframePtr of = nullptr; ///< streamed
         Room::Place place = {};        ///< shared by all rungs of a keyframe
         std::uint64_t arrived = 0;
+        Quality quality = 0;
         std::size_t rank = 0;
     };
     using Line = std::deque<Waiting>;
@@ -62,6 +63,8 @@ class EncodeWorker {
     bool submit(Line& line, std::size_t waiting_max, Job job);
     /// Of the rungs that wait of a keyframe, or the one that is encoded now; null: none.
     const Waiting* another_of(const sea::KeyframePtr& keyframe) const;
+    /// Where its stream goes on in the line.
+    std::size_t rank_of(const KeyframeTiles& tiles) const;
     /// All that waits of the keyframe that came first.
     void leave_out_the_oldest(Line& left_out);
     void run();

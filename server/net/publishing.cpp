@@ -62,7 +62,7 @@ void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
         });
         return true;
     };
-    const std::size_t left_out = core->encoding.submit_streamed(job, tiles.keyframe, tiles.rank);
+    const std::size_t left_out = core->encoding.submit_streamed(job, tiles);
     if (left_out > 0)
         core->post([core = core.get(), left_out] { tell_of_left_out(*core, left_out); });
 }

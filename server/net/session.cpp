@@ -133,7 +133,6 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
                 .rate_hz_max = subscribe.rate_hz_max(),
                 .size_max = subscribe.size_max()};
     wish.shared_only = shares_coarser_maps(wish);
-    const std::uint64_t given_up = core_.host.subscriptions().coarser_given_up();
     const Demand grant = core_.host.grant(wish, id_);
     if (grant.empty()) // what was granted before goes on
         return refuse(request_id,
@@ -147,7 +146,6 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
     subscription_ = Subscription{request_id, wish, subscribe.credit(), grant};
-    subscription_->coarser_given_up = given_up;
     state_grant();
     Demand start = grant;
     start.fields |= grant.follows;
@@ -166,7 +164,8 @@ void Session::state_grant() {
 }
 
 bool Session::shares_coarser_maps(const Demand& wish) const {
-    if (wish.size_max == 0 && !(wish.rate_hz_max > 0))
+    if (core_.options.connections_per_address == 0 || // all are one address, that of a proxy
+        (wish.size_max == 0 && !(wish.rate_hz_max > 0)))
         return false;
     std::bitset<quality_rungs> kinds;
     for (const auto& [id, other] : core_.sessions)
@@ -184,7 +183,6 @@ void Session::renew_grant() {
     wish.renewed = true;
     wish.quality = before.quality;
     wish.shared_only = shares_coarser_maps(wish);
-    subscription_->coarser_given_up = core_.host.subscriptions().coarser_given_up();
     const Demand now = core_.host.grant(wish);
     subscription_->granted.until_us = now.until_us;
     if (now.empty()) // what streams goes on, and each tile says what it misses
@@ -333,9 +331,7 @@ void Session::deliver(const Delivery& streamed) {
             announce(streamed.sea_state);
         if (!subscription_) // it has not taken so many states that it was ended
             return;
-        if (core_.host.sea_time_us() >= subscription_->granted.until_us ||
-            (subscription_->granted.crowded &&
-             core_.host.subscriptions().coarser_given_up() != subscription_->coarser_given_up))
+        if (core_.host.sea_time_us() >= subscription_->granted.until_us)
             renew_grant();
         outbox_.push_keyframe(streamed.keyframe, fields, streamed.file);
         link_.send_more();

@@ -172,7 +172,6 @@ class Session {
         /// Another quality that it had before, of which keyframes of these cascades are still on their way.
         Quality former_quality = 0;
         std::uint32_t former_cascades = 0;
-        std::uint64_t coarser_given_up = 0; ///< Subscriptions' at the grant
     };
     std::optional<Subscription> subscription_;
     std::optional<SpectrumDemand> spectrum_wish_;

@@ -76,8 +76,10 @@ std::string what_of(const SeaWish& wish) {
                            hex_hash(wish.scene));
     std::string what;
     for (const TomlAssignment& one : wish.set) {
-        constexpr std::size_t most = 120;
         const std::string text = in_quotes(one.path + "=" + one.value);
+        std::size_t most = 120;
+        while (most < text.size() && (static_cast<unsigned char>(text[most]) & 0xc0u) == 0x80u)
+            --most; // not within a character
         what += what.empty() ? "" : " ";
         what += text.size() <= most ? text : text.substr(0, most) + "[...]";
     }

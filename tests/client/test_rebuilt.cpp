@@ -7,6 +7,7 @@
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "client/rebuilt/rebuilt_sea.h"
+#include "sea/basics/deviations.h"
 #include "sea/scene/scene.h"
 #include "tests/client/announced_scene.h"
 #include "tests/client/wave_server.h"
@@ -173,6 +174,20 @@ TEST_F(LiveWaves, what_has_come_can_be_asked_and_knows_how_far_it_is) {
     EXPECT_LE(bound_m, 0.001);
     EXPECT_FALSE(received.add({}, {})) << "more than its head says";
     EXPECT_LE(received.sea()->error().height_m, 0.001);
+}
+
+// Naive: what an answer's bound allows. Sixteen probes of three numbers each lie beyond five deviations in one sea of 75 000, at each try anew.
+TEST(Rebuilt, a_sea_is_the_server_s_where_it_is_off_by_more_than_an_answer_may_be_by_chance) {
+    protocol::SeaStateValues state = tests::announced();
+    const RebuiltError error{.height_m = 0.02, .displacement_m = 0.02, .strain = 0};
+    const RebuiltSea sea(tests::announced_waves(), state, error);
+    state.probes = sea::make_probes(sea.sum(), 0);
+    const double deviation_m = error.height_m / sea::bound_sigmas;
+    const double right_m = state.probes[3].height_m;
+    for (const double deviations : {0.0, 5.5, 7.5, 9.0, 50.0}) {
+        state.probes[3].height_m = right_m + deviations * deviation_m;
+        EXPECT_EQ(static_cast<bool>(agrees(state, sea)), deviations < 8) << deviations;
+    }
 }
 
 // Bounds are five standard deviations, 1.94 of the error of 99 %, which 10 000 answers tell to 3 %; a slope's part in a bound is of the component

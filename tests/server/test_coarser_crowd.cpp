@@ -59,8 +59,24 @@ TEST(CoarserCrowd, an_address_has_half_of_the_kinds_and_what_becomes_free_is_giv
     EXPECT_NE(late.why().find("of this address"), std::string::npos) << late.why();
     Asker neighbour(port, 128, true, "127.0.0.2");
     EXPECT_EQ(neighbour.granted_size(), 128) << neighbour.why();
+    Asker shares(port, 32, false,
+                 "127.0.0.2"); // what becomes free of one address is another's still
+    EXPECT_EQ(shares.granted_size(), 32) << shares.why();
     first.erase(first.begin());
     EXPECT_EQ(late.granted_size(), 128) << late.why();
+}
+
+TEST(CoarserCrowd, behind_a_proxy_all_kinds_are_there_for_its_one_address) {
+    tests::ServerProcess server({"scenes/north_sea_gale.toml", "--device", "native", "--listen",
+                                 "127.0.0.1:0", "--connections-per-address", "0"});
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    std::vector<std::unique_ptr<Asker>> all;
+    for (const bool compact : {false, true})
+        for (const int size : {32, 64, 128}) {
+            all.push_back(std::make_unique<Asker>(tests::port_of(url), size, compact));
+            EXPECT_EQ(all.back()->granted_size(), size) << all.back()->why();
+        }
 }
 
 } // namespace

@@ -60,19 +60,6 @@ TEST(Subscriptions, a_quality_is_in_use_for_as_long_as_somebody_has_it) {
     EXPECT_EQ(all.qualities(), std::bitset<quality_rungs>{}.set(0));
 }
 
-TEST(Subscriptions, coarser_rungs_that_nobody_has_any_more_are_counted) {
-    Subscriptions all;
-    const Quality coarser = whole_rungs;
-    all.set(1, {.cascades = 1u, .fields = {Field::height}, .quality = coarser});
-    all.set(2, {.cascades = 1u, .fields = {Field::height}, .quality = coarser});
-    all.set(3, {.cascades = 1u, .fields = {Field::height}, .quality = 2});
-    all.erase(1);
-    all.erase(3);
-    EXPECT_EQ(all.coarser_given_up(), 0u);
-    all.set(2, {.cascades = 1u, .fields = {Field::height}, .quality = 2});
-    EXPECT_EQ(all.coarser_given_up(), 1u);
-}
-
 TEST(Subscriptions, what_those_want_who_go_without_a_field_is_theirs_alone_and_of_the_cascade) {
     Subscriptions all;
     all.set(1, {.cascades = 1u, .fields = {Field::height, Field::foam}, .quality = 0});
