@@ -65,14 +65,16 @@ std::size_t EncodeWorker::rank_of(const KeyframeTiles& tiles) const {
 
 void EncodeWorker::leave_out_the_oldest(Line& left_out) {
     const std::uint64_t first = std::ranges::min_element(streamed_, {}, &Waiting::arrived)->arrived;
-    const auto rest = std::ranges::stable_partition(
-        streamed_, [first](const Waiting& one) { return one.arrived != first; });
-    for (Waiting& one : rest)
-        one.place = nullptr; // at once: the room is for what comes
-    const std::size_t before = left_out.size();
-    left_out.resize(before + rest.size()); // where there is no memory for that, nothing is lost
-    std::ranges::move(rest, left_out.begin() + static_cast<std::ptrdiff_t>(before));
-    streamed_.erase(rest.begin(), rest.end());
+    const auto rest =
+        std::stable_partition(streamed_.begin(), streamed_.end(),
+                              [first](const Waiting& one) { return one.arrived != first; });
+    for (auto one = rest; one != streamed_.end(); ++one)
+        one->place = nullptr; // at once: the room is for what comes
+    const auto before = static_cast<std::ptrdiff_t>(left_out.size());
+    left_out.resize(left_out.size() +
+                    static_cast<std::size_t>(streamed_.end() - rest)); // or nothing is lost
+    std::move(rest, streamed_.end(), left_out.begin() + before);
+    streamed_.erase(rest, streamed_.end());
 }
 
 bool EncodeWorker::submit_fetched(Job job) {
