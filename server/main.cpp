@@ -11,12 +11,11 @@
 #include <variant>
 #include <vector>
 
-#include <malloc.h>
-
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include "base/messages.h"
+#include "base/spare_memory.h"
 #include "base/standard_files.h"
 #include "base/text_file.h"
 #include "server/devices.h"
@@ -47,17 +46,15 @@ int fail(ExitCode code, const Error& error) {
 }
 
 SimulationEvents events(World& world) {
-    return {
-        [&world](const sea::KeyframePtr& keyframe, std::size_t rate) {
-            world.on_keyframe(keyframe, rate);
-        },
-        [](const std::string& why) { spdlog::warn("{}", why); },
-        [](const std::string& why) {
-            spdlog::error("{}", why);
-            StopSignal::fail();
-        },
-        // What was freed stays in the arenas of its threads otherwise: after a flood, hundreds of MB.
-        [] { ::malloc_trim(0); }};
+    return {[&world](const sea::KeyframePtr& keyframe, std::size_t rate) {
+                world.on_keyframe(keyframe, rate);
+            },
+            [](const std::string& why) { spdlog::warn("{}", why); },
+            [](const std::string& why) {
+                spdlog::error("{}", why);
+                StopSignal::fail();
+            },
+            give_back_spare_memory};
 }
 
 /// SIGHUP.

@@ -30,7 +30,7 @@ struct Served {
 
     /// Maps and the points beside them are of one time, however long they take on a busy machine.
     static seaway_connect_options patient() {
-        seaway_connect_options options = SEAWAY_SIZED(seaway_connect_options);
+        seaway_connect_options options{};
         options.look_back_s = 30;
         return options;
     }

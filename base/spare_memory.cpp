@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/spare_memory.h"
+
+#include <cstdint>
+#include <cstring>
+
+#include <link.h>
+#include <malloc.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace seaway {
+namespace {
+
+bool is_compiler(const dl_phdr_info& library) {
+    return library.dlpi_name != nullptr && std::strstr(library.dlpi_name, "/libLLVM") != nullptr;
+}
+
+/// Of what nobody writes to: in memory there is what the file has. Tables that were relocated are not among them, since they
+/// lie in a segment that is writable until then.
+int give_back_code(dl_phdr_info* library, std::size_t, void*) {
+    if (!is_compiler(*library))
+        return 0;
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    for (int i = 0; i < library->dlpi_phnum; ++i) {
+        const ElfW(Phdr)& segment = library->dlpi_phdr[i];
+        if (segment.p_type != PT_LOAD || (segment.p_flags & PF_W) != 0)
+            continue;
+        const std::uintptr_t first = (library->dlpi_addr + segment.p_vaddr) / page * page;
+        const std::uintptr_t end = library->dlpi_addr + segment.p_vaddr + segment.p_memsz;
+        (void)::madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+    }
+    return 0;
+}
+
+} // namespace
+
+void give_back_spare_memory() {
+    ::malloc_trim(0);
+    ::dl_iterate_phdr(give_back_code, nullptr);
+}
+
+} // namespace seaway
