@@ -60,6 +60,9 @@ void record_upload(Commands& commands, const Buffer& source, const Image& target
 /// A layout transition that waits for everything before and blocks everything after it.
 void record_transition(Commands& commands, const Image& image, VkImageLayout from,
                        VkImageLayout to);
+/// The same of an image that is not ours: a swapchain's.
+void record_transition(Commands& commands, VkImage image, const VkImageSubresourceRange& range,
+                       VkImageLayout from, VkImageLayout to);
 
 struct SamplerSpec {
     bool repeat = false;  ///< else the edge is continued

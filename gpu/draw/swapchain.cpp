@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gpu/call.h"
+#include "gpu/image.h"
 
 namespace seaway::gpu {
 
@@ -26,24 +27,8 @@ Result<OwnedSemaphore> create_semaphore(Device& device) {
     return OwnedSemaphore(device.get(), semaphore);
 }
 
-void transition(Commands& commands, VkImage image, VkImageLayout from, VkImageLayout to) {
-    const VkImageMemoryBarrier2 barrier{
-        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
-        .oldLayout = from,
-        .newLayout = to,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = image,
-        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
-    const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                .imageMemoryBarrierCount = 1,
-                                .pImageMemoryBarriers = &barrier};
-    vkCmdPipelineBarrier2(commands.get(), &info);
-}
+/// Of a picture that is drawn into once.
+constexpr VkImageSubresourceRange whole_picture{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
 
 /// The window system says a size, or leaves it to the program within limits.
 std::uint32_t side(std::uint32_t current, std::uint32_t wanted, std::uint32_t least,
@@ -232,8 +217,8 @@ Result<Swapchain::Next> Swapchain::acquire(std::uint32_t width, std::uint32_t he
 
 void Swapchain::begin(Commands& commands) {
     const Picture& picture = pictures_[current_];
-    transition(commands, picture.image, VK_IMAGE_LAYOUT_UNDEFINED,
-               VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    record_transition(commands, picture.image, whole_picture, VK_IMAGE_LAYOUT_UNDEFINED,
+                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     const VkRenderingAttachmentInfo colour{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
                                            .imageView = picture.view.get(),
                                            .imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
@@ -255,8 +240,8 @@ void Swapchain::begin(Commands& commands) {
 
 void Swapchain::end(Commands& commands) {
     vkCmdEndRendering(commands.get());
-    transition(commands, pictures_[current_].image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-               VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    record_transition(commands, pictures_[current_].image, whole_picture,
+                      VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
 
 Result<void> Swapchain::present(const Commands& commands) {

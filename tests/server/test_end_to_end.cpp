@@ -81,7 +81,9 @@ TEST_P(EndToEnd, server_local_and_exact_answers_agree_within_the_stated_bound) {
             EXPECT_LE(std::abs(answer->height_m - truth), answer->error_m + (*exact)[i].error_m)
                 << "point " << i;
             EXPECT_EQ(answer->flags & (sea::answer_extrapolated | sea::answer_invalid), 0u);
-            if (!(answer->flags & (sea::answer_folded | sea::answer_not_converged)))
+            // Stale: on a machine so busy that the client has heard nothing for seconds, its bound says that.
+            if (!(answer->flags &
+                  (sea::answer_folded | sea::answer_not_converged | sea::answer_stale)))
                 worst_bound_m = std::max(worst_bound_m, answer->error_m);
             EXPECT_NEAR(std::hypot(answer->normal[0], answer->normal[1], answer->normal[2]), 1.0,
                         1e-6);
