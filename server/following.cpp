@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/following.h"
 
+#include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -148,10 +148,10 @@ std::string led_to(const std::string& text, sea::TimeUs time_us) {
 
 /// The scene that runs when a change begins, of those before it.
 std::string scene_before(std::span<const SeaChange> before, const SeaChange& change) {
-    for (const SeaChange& earlier : before | std::views::reverse)
-        if (runs_before(earlier, change.start_us))
-            return led_to(earlier.scene, change.start_us);
-    return {};
+    const auto earlier = std::find_if(before.rbegin(), before.rend(), [&](const SeaChange& one) {
+        return runs_before(one, change.start_us);
+    });
+    return earlier == before.rend() ? std::string() : led_to(earlier->scene, change.start_us);
 }
 
 } // namespace

@@ -227,7 +227,7 @@ SeaDirector::Start SeaDirector::start_of(const SeaWish& wish, const RunningSea& 
     const bool soonest = wish.at_us < start_us;
     // One that is made sooner than that before it would begin before it, and that one would be lost.
     start_us = soonest ? std::max(start_us, soonest_us_) : wish.at_us;
-    return {next_meeting(start_us, intervals_of(*course_->at(start_us), to)), soonest};
+    return {next_meeting(start_us, intervals_of(*course_->at(start_us - 1), to)), soonest};
 }
 
 Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
@@ -270,7 +270,11 @@ Result<void> SeaDirector::check_certain() const {
 }
 
 void SeaDirector::is_promised(TimeUs start_us) {
-    std::erase_if(promised_, [start_us](TimeUs other_us) { return other_us > start_us; });
+    // One that begins with it takes no place either, unless clients have been told of it.
+    const bool told = start_us < clock_.now_us() + world_.announced_ahead();
+    std::erase_if(promised_, [&](TimeUs other_us) {
+        return other_us > start_us || (other_us == start_us && !told);
+    });
     promised_.push_back(start_us);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // World: whose waves a session is sent, and who pays for what is made of them.
 #include <algorithm>
-#include <ranges>
 
 #include "protocol/limits.h"
 #include "server/process_metrics.h"
@@ -25,9 +24,10 @@ std::vector<SpectrumSource> World::origins_of(std::uint32_t epoch) const {
         const std::scoped_lock lock(mutex_);
         held = origins_;
     }
+    std::vector<std::uint32_t> epochs = course_->origins(epoch);
+    std::ranges::reverse(epochs); // the first one first: each is made of the one before
     std::vector<SpectrumSource> origins;
-    // The first one first: each is made of the one before.
-    for (const std::uint32_t origin : course_->origins(epoch) | std::views::reverse) {
+    for (const std::uint32_t origin : epochs) {
         const auto found = std::ranges::find(held, origin, &SpectrumSource::epoch);
         origins.push_back(found != held.end() ? *found : source_of(*course_->sea(origin)));
         (void)sea_state_message(origin); // goes to who is sent the waves

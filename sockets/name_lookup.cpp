@@ -55,8 +55,8 @@ struct NameLookup::Asked {
         const std::scoped_lock lock(asked->mutex);
         if (asked->loop != nullptr)
             asio::post(*asked->loop, [asked, found = std::move(found)] {
-                if (const Done done = asked->take())
-                    done(found);
+                if (const Done due = asked->take())
+                    due(found);
             });
     }
     Done take() {

@@ -92,7 +92,7 @@ Result<std::vector<SeaCourse::Row>> SeaCourse::timetable(const sea::Scene& scene
                                                          const NameOfRow& name_of) const {
     sea::Scene begins = scene;
     std::erase_if(begins.weather, [until_us](const sea::WeatherChange& row) {
-        return sea::us_from_seconds(row.at_s) > until_us;
+        return sea::us_from_seconds(row.at_s) >= until_us;
     });
     SEAWAY_TRY_LET(std::vector<sea::Scene> scenes, sea::weather_scenes(begins));
     std::vector<Row> rows;
@@ -116,17 +116,20 @@ Result<std::vector<SeaCourse::Row>> SeaCourse::timetable(const sea::Scene& scene
 Result<std::vector<SeaCourse::Row>> SeaCourse::rows_of(const sea::Scene& scene, TimeUs start_us,
                                                        TimeUs end_us, TimeUs until_us) const {
     SEAWAY_CHECK(start_us < end_us, "a change takes some time");
-    if (start_us > until_us)
+    if (start_us >= until_us)
         return std::vector<Row>{};
-    SEAWAY_TRY(check_next(scene_at(start_us), scene));
+    const auto [from, stay] = [&] {
+        const std::scoped_lock lock(mutex_);
+        const auto before = change_before(start_us);
+        return std::pair(*before, static_cast<std::size_t>(before - changes_.begin()) + 1);
+    }();
+    SEAWAY_TRY(check_next(from->scene, scene));
     // Of a scene that was sent, or of one of before whose first rows are over: neither has a file whose rows it could count.
     const auto name_of = [&](std::size_t row) {
         return fmt::format("the row of its weather that begins at {} s", scene.weather[row].at_s);
     };
     SEAWAY_TRY_LET(std::vector<Row> rows, timetable(scene, end_us, until_us, name_of));
     rows.insert(rows.begin(), {start_us, end_us, scene});
-    const std::scoped_lock lock(mutex_);
-    const auto stay = static_cast<std::size_t>(change_at(start_us) - changes_.begin()) + 1;
     if (stay + rows.size() > changes_max)
         return Error{CourseError::full,
                      fmt::format("the log is full: it counts {} changes, this one would add {} "
@@ -153,7 +156,7 @@ void SeaCourse::append(std::vector<Row> rows, std::size_t changes) {
     Changes added;
     added.reserve(rows.size());
     for (Row& row : rows) {
-        const ChangePtr from = added.empty() ? *change_at(row.start_us) : added.back();
+        const ChangePtr from = added.empty() ? *change_before(row.start_us) : added.back();
         const bool chained = from->chained || !run_alike(first_->scene.sea, row.scene.sea);
         const auto number = static_cast<std::uint32_t>(last_number_ + added.size() + 1);
         added.push_back(std::make_shared<const Change>(
@@ -162,7 +165,7 @@ void SeaCourse::append(std::vector<Row> rows, std::size_t changes) {
     }
     if (changes_.size() + added.size() > changes_.capacity())
         changes_.reserve(std::max(changes_.size() + added.size(), 2 * changes_.capacity()));
-    while (!added.empty() && changes_.back()->start_us > added.front()->start_us)
+    while (!added.empty() && changes_.back()->start_us >= added.front()->start_us)
         changes_.pop_back();
     for (ChangePtr& change : added) {
         gives_waves_later_ = gives_waves_later_ || gives_waves(change->scene.sea);
@@ -173,6 +176,11 @@ void SeaCourse::append(std::vector<Row> rows, std::size_t changes) {
 
 SeaCourse::Changes::const_iterator SeaCourse::change_at(TimeUs time_us) const {
     return std::prev(std::ranges::upper_bound(
+        changes_, time_us, {}, [](const ChangePtr& change) { return change->start_us; }));
+}
+
+SeaCourse::Changes::const_iterator SeaCourse::change_before(TimeUs time_us) const {
+    return std::prev(std::ranges::lower_bound(
         changes_, time_us, {}, [](const ChangePtr& change) { return change->start_us; }));
 }
 
@@ -369,7 +377,7 @@ std::vector<EpochWindow> SeaCourse::windows(TimeUs from_us, TimeUs until_us) con
 
 int SeaCourse::glides_in_row(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    const Change* change = change_at(time_us)->get();
+    const Change* change = change_before(time_us)->get();
     int glides = 0;
     for (bool glide = time_us < change->end_us; glide; change = change->from.get()) {
         ++glides;
@@ -384,9 +392,7 @@ std::vector<std::uint32_t> SeaCourse::origins(std::uint32_t epoch) const {
     const Change* change = change_of(epoch)->get();
     for (bool glides = is_glide(epoch); glides;) {
         const TimeUs start_us = change->start_us;
-        do // what began with it has been nothing
-            change = change->from.get();
-        while (change->start_us == start_us);
+        change = change->from.get();
         found.push_back(change->epoch(start_us <= change->end_us));
         glides = start_us < change->end_us;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SeaCourse: which sea runs when. A function of a log of changes: each glides from the sea of its start to that of its
-// scene, and takes over from whatever was to come. So every change is two epochs, the glide and the sea that it leads
+// scene, and takes over from whatever was to come, what begins with it included. So every change is two epochs, the glide and the sea that it leads
 // to; the sea that all began with is epoch 1.
 //
 //     SEAWAY_TRY_LET(SeaCoursePtr course, SeaCourse::begin(scene));     // with its timetable, [[weather]]
@@ -113,7 +113,8 @@ class SeaCourse {
     /// A change has waves given by hand, which need not keep to the bands that all seas of the course share.
     bool gives_waves_later() const { return gives_waves_later_; }
 
-    /// How many glides hang together at this time, each having taken over from the one before; 0: the sea is steady.
+    /// How many glides hang together that one takes over from which begins at this time, each having taken over from the one
+    /// before; 0: the sea is steady.
     int glides_in_row(sea::TimeUs time_us) const;
 
     /// What a sea glides from, and that from, the nearest first; of one that has ended its glide that is enough, whatever it
@@ -170,8 +171,9 @@ class SeaCourse {
     RunningSeaPtr hold(RunningSeaPtr sea) const;
 
     // Of what mutex_ guards, by who holds it.
-    /// The last one that has begun by then.
+    /// The last one that has begun by then; that has begun before, which is what one that begins then takes over from.
     Changes::const_iterator change_at(sea::TimeUs time_us) const;
+    Changes::const_iterator change_before(sea::TimeUs time_us) const;
     /// Of an epoch; of one that never runs, the one that took over from it.
     Changes::const_iterator change_of(std::uint32_t epoch) const;
     EpochWindow window_of(Changes::const_iterator change, bool glides) const;

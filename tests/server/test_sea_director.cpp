@@ -150,6 +150,19 @@ TEST_F(Director, changes_that_another_takes_over_from_are_promised_no_more) {
     }
 }
 
+// Naive: each correction keeps a place, and ten seconds before the plan begins nobody can change the sea.
+TEST_F(Director, a_plan_that_was_corrected_often_is_one_change_when_its_time_comes_near) {
+    journal.spread = 0;
+    SeaWish plan = wish();
+    plan.at_us = clock.now_us() + World::announced_ahead_us + 3'000'000; // nobody is told of it yet
+    for (std::size_t i = 0; i < 2 * changes_promised_max; ++i)
+        ASSERT_TRUE(asked(plan));
+    ASSERT_TRUE(tests::eventually(
+        [&] { return clock.now_us() + World::announced_ahead_us > plan.at_us + 2'000'000; }));
+    const Result<SeaPromise> other = asked(wish());
+    EXPECT_TRUE(other) << other.error().message;
+}
+
 // Naive: the server has run on while it was written, its clients follow what it says, and who starts it anew has an earlier sea.
 TEST_F(Director, a_pace_that_was_written_too_late_is_followed_by_one_in_which_all_meet) {
     std::atomic<int> handed_over = 0;

@@ -37,6 +37,19 @@ TEST(Changes, that_take_over_from_one_another_are_refused_where_too_many_hang_to
     EXPECT_EQ(set(5000).code, 0) << "they have ended by then";
 }
 
+// A forecast that comes anew says another sea for the same time.
+TEST(Changes, that_are_planned_are_corrected_as_often_as_one_likes) {
+    tests::ServerProcess server(arguments(tests::folder().file("plan")));
+    const std::string url = server.wait_until_ready();
+    ASSERT_FALSE(url.empty()) << server.log();
+    for (int i = 0; i < takeovers_max + 4; ++i) {
+        const Said said = ctl(url, {"set", fmt::format("systems.0.from_deg={}", 10 * i), "--over",
+                                    "600s", "--at", "5000"});
+        ASSERT_EQ(said.code, 0) << i << said.words;
+        EXPECT_GE(number(said.words, "start_s"), 5000);
+    }
+}
+
 // Naive: who comes then has the waves of some of them, with which no height can be made, until all have ended.
 TEST(Changes, who_joins_behind_as_many_takeovers_as_there_may_be_has_the_waves) {
     tests::ServerProcess server(arguments(tests::folder().file("behind")));

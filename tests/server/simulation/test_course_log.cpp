@@ -138,6 +138,35 @@ TEST(CourseLog, read_again_it_is_the_same_course_though_what_never_ran_is_not_lo
     }
 }
 
+// Naive: the one before is a glide that has not ended, to be made though it never runs, and a plan that is corrected every hour is
+// refused from its ninth correction on.
+TEST(CourseLog, what_begins_with_another_takes_its_place) {
+    const auto course = *SeaCourse::begin(small_scene()), alone = *SeaCourse::begin(small_scene());
+    const TimeUs start_us = 7200 * second_us, end_us = start_us + 600 * second_us;
+    sea::Scene scene = small_scene("[[weather]]\nat_s = 9000\nover_s = 60\n"
+                                   "set.systems.0.from_deg = 100\n");
+    const int times = 3 * takeovers_max;
+    for (int i = 0; i < times; ++i) {
+        scene.sea.depth_m = 20 + i; // phases hang on what was before
+        ASSERT_TRUE(course->add(scene, start_us, end_us)) << i;
+        EXPECT_EQ(course->glides_in_row(start_us), 0) << "one more would be the first";
+        EXPECT_EQ(course->glides_in_row(start_us + 1), 1);
+    }
+    EXPECT_EQ(course->changes(), 3u) << "the beginning, the last one and its row";
+    EXPECT_EQ(course->epochs(), 1u + 4 * times);
+    EXPECT_TRUE(course->window(3).empty());
+    EXPECT_EQ(course->window_at(start_us - 1).epoch, 1u);
+    const std::uint32_t glide = course->window_at(start_us).epoch;
+    EXPECT_EQ(course->origins(glide), std::vector<std::uint32_t>{1});
+    ASSERT_TRUE(alone->add(scene, start_us, end_us));
+    for (const TimeUs after_s : {0, 1, 300, 599, 601, 1700, 1830, 4000}) {
+        const TimeUs time_us = start_us + after_s * second_us;
+        EXPECT_EQ(course->at(time_us)->truth_at(time_us)->at(1, 2, time_us).height,
+                  alone->at(time_us)->truth_at(time_us)->at(1, 2, time_us).height)
+            << after_s;
+    }
+}
+
 // A keyframe of it may be on its way, or a question.
 TEST(CourseLog, an_epoch_that_never_runs_is_itself_while_it_is_held_and_then_what_took_over) {
     const auto course = *SeaCourse::begin(small_scene());
