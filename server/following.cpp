@@ -151,13 +151,13 @@ std::string scene_before(std::span<const SeaChange> before, const SeaChange& cha
     const auto earlier = std::find_if(before.rbegin(), before.rend(), [&](const SeaChange& one) {
         return runs_before(one, change.start_us);
     });
-    return earlier == before.rend() ? std::string() : led_to(earlier->scene, change.start_us);
+    return earlier == before.rend() ? std::string() : led_to(earlier->scene, change.start_us - 1);
 }
 
 } // namespace
 
 bool runs_before(const SeaChange& change, sea::TimeUs time_us) {
-    return changes_the_scene(change) && (change.epoch == 1 || change.start_us <= time_us);
+    return changes_the_scene(change) && (change.epoch == 1 || change.start_us < time_us);
 }
 
 bool changes_the_scene(const SeaChange& change) {

@@ -61,7 +61,7 @@ inline constexpr std::size_t history_max = 200;
 
 /// A change of the sea that counts: neither one of pace, nor lapsed.
 bool changes_the_scene(const SeaChange& change);
-/// And one that has begun by then.
+/// And one that has begun before: what begins with another takes its place.
 bool runs_before(const SeaChange& change, sea::TimeUs time_us);
 
 /// Those from a number on, with the first lines of each scene that differ from what ran when it began: JSON. What comes before that

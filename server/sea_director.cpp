@@ -270,11 +270,7 @@ Result<void> SeaDirector::check_certain() const {
 }
 
 void SeaDirector::is_promised(TimeUs start_us) {
-    // One that begins with it takes no place either, unless clients have been told of it.
-    const bool told = start_us < clock_.now_us() + world_.announced_ahead();
-    std::erase_if(promised_, [&](TimeUs other_us) {
-        return other_us > start_us || (other_us == start_us && !told);
-    });
+    std::erase_if(promised_, [start_us](TimeUs other_us) { return other_us >= start_us; });
     promised_.push_back(start_us);
 }
 
@@ -286,7 +282,7 @@ Result<void> SeaDirector::check_promised(const SeaWish& wish) {
     std::vector<TimeUs> soon;
     const TimeUs soon_us = now_us + world_.announced_ahead();
     std::ranges::copy_if(promised_, std::back_inserter(soon), [&](TimeUs start_us) {
-        const bool taken_over = wish.at_us > now_us && start_us > wish.at_us;
+        const bool taken_over = wish.at_us > now_us && start_us >= wish.at_us;
         return start_us > now_us && start_us < soon_us && !taken_over;
     });
     if (soon.size() < changes_promised_max || wish.at_us >= soon_us)

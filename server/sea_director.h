@@ -112,7 +112,7 @@ class SeaDirector {
     };
     /// As soon as can be, in the order in which changes were asked for, or when it is wished.
     Start start_of(const SeaWish& wish, const RunningSea& to, sea::TimeUs making_us) const;
-    /// It takes over from those that were to begin later, and goes on from those that begin with it.
+    /// It takes over from those that were to begin later, or with it.
     void is_promised(sea::TimeUs start_us);
 
     const std::shared_ptr<SeaCourse> course_;

@@ -120,6 +120,8 @@ SharedBytes World::sea_state_message(std::uint32_t epoch) const {
         }
     }
     const RunningSeaPtr sea = course_->sea(epoch);
+    if (sea->epoch != epoch) // it never runs: that is the one that took its place
+        return nullptr;
     auto message = std::make_shared<const std::vector<std::uint8_t>>(
         protocol::sea_state(announcement(*sea, course_->window(epoch), warnings_of(*sea))));
     const std::scoped_lock lock(mutex_);
@@ -143,7 +145,8 @@ std::vector<SharedBytes> World::sea_state_messages() const {
     bool runs = true;
     for (const EpochWindow& window : course_->windows(now_us, now_us + announced_ahead()))
         if (std::exchange(runs, false) || is_told(window.epoch))
-            messages.push_back(sea_state_message(window.epoch));
+            if (SharedBytes message = sea_state_message(window.epoch)) // else changed meanwhile
+                messages.push_back(std::move(message));
     return messages;
 }
 
@@ -183,7 +186,13 @@ void World::attach(Simulation& simulation) {
     subscriptions().on_change([&simulation] { simulation.demand_changed(); });
 }
 
+bool World::ever_runs(const sea::KeyframePtr& keyframe) const {
+    return !course_->window(keyframe->epoch).empty();
+}
+
 void World::on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate) {
+    if (!ever_runs(keyframe)) // any more: it was under way when another sea took its place
+        return;
     Publish publish;
     {
         const std::scoped_lock lock(mutex_);
@@ -234,6 +243,9 @@ void World::fetch(FetchRequest request, Fetched done) {
                  done = std::move(done)](Result<FetchedKeyframes> fetched) {
         if (!fetched)
             return done(fetched.error());
+        if (!std::ranges::all_of(fetched->keyframes,
+                                 [this](const auto& one) { return ever_runs(one); }))
+            return done(Error{Refusal::busy, "the sea of these times was changed meanwhile"});
         FetchedPart part{.tiles = {}, .last = fetched->last};
         for (sea::KeyframePtr& keyframe : fetched->keyframes)
             part.tiles.push_back(tiles(std::move(keyframe), quality));

@@ -80,6 +80,7 @@ class World final : public Host {
     sea::TimeUs sea_time_us() const override { return clock_.now_us(); }
     sea::SeaTime sea_time() const override;
     std::vector<SharedBytes> sea_state_messages() const override;
+    /// Null: of an epoch that never runs, since another took its place.
     SharedBytes sea_state_message(std::uint32_t epoch) const override;
     Demand grant(const Demand& wish, std::optional<SessionId> instead_of = {}) const override;
     void fetch(FetchRequest request, Fetched done) override;
@@ -103,6 +104,7 @@ class World final : public Host {
   private:
     Result<std::vector<SeaChange>> changes_from(std::uint64_t number, std::size_t most) const;
     KeyframeTiles tiles(sea::KeyframePtr keyframe, Quality quality) const;
+    bool ever_runs(const sea::KeyframePtr& keyframe) const;
     /// The one that runs; made here only where the clock has leapt to a sea that nobody was told of.
     RunningSeaPtr sea_now() const { return course_->at(clock_.now_us()); }
     SpectrumSource source_of(const RunningSea& sea) const;

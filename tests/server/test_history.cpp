@@ -31,6 +31,7 @@ class ReadJournal : public testing::Test {
     }
     void add(const std::string& toml, bool lapsed = false) {
         changes.push_back({.epoch = static_cast<std::uint32_t>(changes.size()) + 1,
+                           .start_us = static_cast<sea::TimeUs>(changes.size()),
                            .scene = toml,
                            .lapsed = lapsed});
     }
@@ -98,6 +99,11 @@ TEST_F(ReadJournal, each_change_differs_from_what_runs_when_it_begins) {
     using Lines = std::vector<std::string>;
     EXPECT_EQ(differs(whole[1]), Lines{"sea.system.0.fetch_m = 50000"});
     EXPECT_EQ(differs(whole[4]), Lines{"sea.system.0.fetch_m = 70000"});
+    add(turned("50e3")); // in the place of that one
+    begins(200);
+    EXPECT_EQ(differs(nlohmann::json::parse(world.history(6).value())["changes"][0]), Lines{})
+        << "of the one at 100 s, which runs until then";
+    changes.pop_back();
     changes[1].scene = with("systems.0.wind_speed_10m_mps", "14.0");
     for (std::uint64_t from = 2; from <= 5; ++from)
         EXPECT_EQ(nlohmann::json::parse(world.history(from).value())["changes"].back(),

@@ -264,6 +264,38 @@ TEST(World, nothing_follows_that_the_sea_does_not_offer) {
     }
 }
 
+// Naive: what took the place of a change is told under its number and from its time on, and whoever hears that has no glide.
+TEST(World, of_a_change_in_whose_place_another_came_nothing_is_told_and_no_keyframe_sent) {
+    const auto course = *SeaCourse::begin(small_scene());
+    SeaClock clock = stopped_at(0);
+    World world(course, clock);
+    std::vector<KeyframeTiles> published;
+    world.publish_to([&](KeyframeTiles tiles) { published.push_back(std::move(tiles)); });
+    world.subscriptions().set(1, {1u, heights, 0, 5});
+    const auto keyframe_of = [](std::uint32_t epoch) {
+        auto keyframe = std::make_shared<sea::Keyframe>();
+        keyframe->epoch = epoch;
+        keyframe->fields = heights;
+        return keyframe;
+    };
+    const auto add = [&] {
+        ASSERT_TRUE(course->add(small_scene(), 1000 * second_us, 1600 * second_us));
+    };
+    add();
+    world.on_keyframe(keyframe_of(2));
+    EXPECT_EQ(published.size(), 1u);
+    EXPECT_TRUE(world.sea_state_message(3));
+    add();
+    world.on_keyframe(keyframe_of(2));
+    world.on_keyframe(keyframe_of(3));
+    EXPECT_EQ(published.size(), 1u);
+    add(); // of the one before nobody has made the sea
+    EXPECT_FALSE(world.sea_state_message(5));
+    EXPECT_TRUE(world.sea_state_message(7));
+    world.on_keyframe(keyframe_of(6));
+    EXPECT_EQ(published.size(), 2u);
+}
+
 // Each keyframe at each rung that somebody has of its cascade, with the bounds of that rung.
 TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_rung) {
     const RunningSeaPtr sea = running_sea();
@@ -303,7 +335,9 @@ TEST(World, a_keyframe_is_published_once_a_rung_in_use_with_the_bounds_of_the_ru
     for (const SessionId session : {1, 2, 3, 4, 5})
         world.subscriptions().erase(session);
     published.clear();
-    world.on_keyframe(std::make_shared<sea::Keyframe>());
+    auto unwanted = std::make_shared<sea::Keyframe>();
+    unwanted->epoch = sea->epoch;
+    world.on_keyframe(unwanted);
     EXPECT_TRUE(published.empty()) << "nobody wants it";
 }
 
