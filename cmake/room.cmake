@@ -91,13 +91,24 @@ function(seaway_test name)
   if(cost)
     set_tests_properties(${name} PROPERTIES COST ${cost})
   endif()
-  if(SEAWAY_SANITIZE MATCHES address AND T_DRIVER)
+  if(T_DRIVER)
+    set(driver DRIVER)
+  endif()
+  seaway_sanitized_test(${name} ${driver})
+endfunction()
+
+# seaway_sanitized_test(NAME [DRIVER]): what a test needs to run with sanitizers; DRIVER: it, or a program that it starts, opens a device.
+function(seaway_sanitized_test name)
+  if(SEAWAY_SANITIZE MATCHES address AND "DRIVER" IN_LIST ARGN)
     # lavapipe's compiler (LLVM) leaks some KB when it is unloaded.
     set_tests_properties(${name} PROPERTIES ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
   endif()
   if(SEAWAY_SANITIZE MATCHES thread)
     set_tests_properties(${name} PROPERTIES
       ENVIRONMENT TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp)
+    get_test_property(${name} TIMEOUT timeout) # all of it takes some ten times as long
+    math(EXPR timeout "4 * ${timeout}")
+    set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout})
   endif()
 endfunction()
 
