@@ -14,6 +14,7 @@
 #include "client/link/failure.h"
 #include "client/link/message_stream.h"
 #include "client/seaway.h"
+#include "client/seaway_engine.h"
 #include "client/staleness.h"
 #include "sea/basics/glide.h"
 #include "tests/client/announced_scene.h"

@@ -71,8 +71,13 @@ TEST_F(WaterTest, an_eye_under_water_sees_the_albedo_of_the_floor) {
 // A floor 3 m further down has lost the same daylight to an eye above the surface and to one a metre above the floor. The
 // attenuation of coasts is of light that goes 1.18 of the depth.
 TEST_F(WaterTest, daylight_on_the_floor_is_the_same_from_above_and_from_below) {
-    for (const auto& [type, slant] :
-         {std::pair{sea::WaterType::jerlov_3, 1.0}, {sea::WaterType::coastal_1, 1.18}}) {
+    struct Water {
+        sea::WaterType type;
+        double slant;
+    };
+    for (const Water water :
+         {Water{sea::WaterType::jerlov_3, 1.0}, {sea::WaterType::coastal_1, 1.18}}) {
+        const sea::WaterType type = water.type;
         const auto below = [&](double albedo, double depth_m) {
             SeaFrame frame = flat_sea();
             frame.water = {type, {albedo, albedo, albedo}};
@@ -83,7 +88,7 @@ TEST_F(WaterTest, daylight_on_the_floor_is_the_same_from_above_and_from_below) {
             const Picture picture = render(frame, sky_, DebugView::final, {.air = false});
             return static_cast<double>(picture.pixel(picture.width / 2, picture.height / 2)[1]);
         };
-        const double way = way_of_daylight(sky_) / slant;
+        const double way = way_of_daylight(sky_) / water.slant;
         const double three = below(0.8, 3) - below(0, 3), six = below(0.8, 6) - below(0, 6);
         const WaterLook near = water_look({type}, 3, 0);
         EXPECT_NEAR(six / three / std::exp(-3 * way * near.attenuation_per_m.g), 1, 0.01);

@@ -168,7 +168,7 @@ TEST(ModeVariances, what_few_waves_do_to_direction_and_spread_is_stated) {
     ASSERT_EQ(summary.lattice.size(), 1u);
     EXPECT_NEAR(summary.lattice[0].energy, 1.0, 1e-3);
     // The same from the seeds themselves.
-    double east = 0, north = 0, energy = 0;
+    double east = 0, north = 0;
     for (std::uint64_t seed = 0; seed < 400; ++seed) {
         SeaState state = coarse;
         state.seed = seed;
@@ -176,7 +176,6 @@ TEST(ModeVariances, what_few_waves_do_to_direction_and_spread_is_stated) {
         for (int i = 0; i < 64 * 64; ++i) {
             const double e = std::norm(sea->cascades[0].h0[static_cast<std::size_t>(i)]);
             const double nx = signed_index(i % 64, 64), ny = signed_index(i / 64, 64);
-            energy += e;
             if (e > 0) {
                 east += e * nx / std::hypot(nx, ny);
                 north += e * ny / std::hypot(nx, ny);

@@ -26,8 +26,6 @@ namespace {
 using sea::Field;
 using sea::FieldSet;
 
-constexpr Quality whole_maps = number_of({});
-
 std::vector<std::string> scenes() {
     std::vector<std::string> found;
     for (const auto& entry : std::filesystem::directory_iterator(SEAWAY_SOURCE_DIR "/scenes"))
