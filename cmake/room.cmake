@@ -101,10 +101,10 @@ endfunction()
 function(seaway_sanitized_test name)
   if(SEAWAY_SANITIZE MATCHES address AND "DRIVER" IN_LIST ARGN)
     # lavapipe's compiler (LLVM) leaks some KB when it is unloaded.
-    set_tests_properties(${name} PROPERTIES ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
+    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT ASAN_OPTIONS=detect_leaks=0)
   endif()
   if(SEAWAY_SANITIZE MATCHES thread)
-    set_tests_properties(${name} PROPERTIES
+    set_property(TEST ${name} APPEND PROPERTY
       ENVIRONMENT TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp)
     get_test_property(${name} TIMEOUT timeout) # all of it takes some ten times as long
     math(EXPR timeout "4 * ${timeout}")
