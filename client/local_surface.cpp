@@ -15,9 +15,9 @@ using sea::Field;
 
 namespace {
 
-/// Adds what coding costs this field of a pair: the larger bound of the two keyframes, and the larger of
-/// several fields' where two components move a point.
-void add_codec(sea::MapLoss& loss, const KeyframePair& pair, Field value, Field rate) {
+/// Adds what coding costs this field of a pair: the larger of the two keyframes', and of several fields' where two components
+/// move a point.
+void add_rounding(sea::MapLoss& loss, const KeyframePair& pair, Field value, Field rate) {
     const auto larger = [&](Field field) {
         return std::max(pair.before->coded_rms(field), pair.after->coded_rms(field));
     };
@@ -85,6 +85,18 @@ sea::FoldSearch folds_of(const SeaState& state) {
 
 } // namespace
 
+void add_codec(sea::CascadeLoss& loss, const KeyframePair& pair) {
+    add_rounding(loss.height, pair, Field::height, Field::height_rate);
+    add_rounding(loss.displacement, pair, Field::displacement_x, Field::displacement_x_rate);
+    add_rounding(loss.displacement, pair, Field::displacement_y, Field::displacement_y_rate);
+    const sea::CodedNoise &first = pair.before->noise(), &then = pair.after->noise();
+    if (first.at_m > 0 && then.between_m > 0 && then.before_us == pair.before->keyframe().time_us) {
+        loss.height.value_m = std::max(first.at_m, then.at_m);
+        loss.height.between_m = then.between_m;
+        loss.height.coded_relief = 0;
+    }
+}
+
 sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePair> pairs) {
     // A server that does not say what its interpolation errors are made of has them everywhere.
     const bool told = state.losses.size() == state.cascades.size();
@@ -104,9 +116,7 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
         const sea::TimeUs interval_us = state.cascades[cascade].interval_us;
         sea::CascadeLoss& loss =
             error.cascades.emplace_back(told ? state.losses[cascade] : sea::CascadeLoss{});
-        add_codec(loss.height, pair, Field::height, Field::height_rate);
-        add_codec(loss.displacement, pair, Field::displacement_x, Field::displacement_x_rate);
-        add_codec(loss.displacement, pair, Field::displacement_y, Field::displacement_y_rate);
+        add_codec(loss, pair);
         add_coarser(loss, pair, interval_us);
         const double coarser_strain =
             std::max(pair.before->coarser().strain, pair.after->coarser().strain);

@@ -234,10 +234,20 @@ Result<void> check_coarser(const wire::Coarser* coarser) {
         in_range("coarser.strain", coarser->strain(), 0.0f, 1e9f));
 }
 
+Result<void> check_noise(const wire::Noise* noise) {
+    if (noise == nullptr)
+        return {};
+    return all_of(
+        in_range("noise.before_us", noise->before_us(), -limits::time_us_max, limits::time_us_max),
+        in_range("noise.at_m", noise->at_m(), 0.0f, 1e6f),
+        in_range("noise.between_m", noise->between_m(), 0.0f, 1e6f));
+}
+
 } // namespace
 
 Result<void> check(const wire::Tile& tile) {
     SEAWAY_TRY(check_coarser(tile.coarser()));
+    SEAWAY_TRY(check_noise(tile.noise()));
     const int size = tile.size();
     return all_of(in_range<int>("cascade", tile.cascade(), 0, limits::cascades_max - 1),
                   in_range<int>("field", static_cast<int>(tile.field()), 0, sea::field_count - 1),

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "protocol/messages.h"
 
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -258,21 +256,28 @@ sea::CoarserLoss loss_of(const wire::Coarser* loss) {
             static_cast<double>(loss->strain())};
 }
 
+sea::CodedNoise noise_of(const wire::Noise* told) {
+    return told ? sea::CodedNoise{told->before_us(), told->at_m(), told->between_m()}
+                : sea::CodedNoise{};
+}
+
 } // namespace
 
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
     FlatBufferBuilder built = builder(192 + payload.size());
-    const auto bytes = vector_of(built, payload);
     const wire::Coarser coarser = wire_of(header.coarser);
+    const wire::Noise noise(header.noise.before_us, bound_to_float(header.noise.at_m),
+                            bound_to_float(header.noise.between_m));
     const auto made = wire::CreateTile(
         built, header.keyframe, header.epoch, static_cast<std::uint8_t>(header.cascade),
         static_cast<wire::Field>(header.field), header.time_us,
         static_cast<std::uint16_t>(header.size), static_cast<std::uint16_t>(header.x0),
         static_cast<std::uint16_t>(header.y0), static_cast<std::uint16_t>(header.width),
         static_cast<std::uint16_t>(header.height), static_cast<std::uint16_t>(header.part),
-        static_cast<std::uint16_t>(header.parts), header.error, bytes, header.follows.bits(),
-        header.coarser.interval_us != 0 ? &coarser : nullptr,
-        header.base != 0 ? std::optional(header.base) : std::nullopt);
+        static_cast<std::uint16_t>(header.parts), header.error, vector_of(built, payload),
+        header.follows.bits(), header.coarser.interval_us != 0 ? &coarser : nullptr,
+        header.base != 0 ? std::optional(header.base) : std::nullopt,
+        header.noise.at_m > 0 ? &noise : nullptr);
     return finish(built, made);
 }
 
@@ -292,7 +297,8 @@ TileHeader header(const wire::Tile& tile) {
             .error = tile.error(),
             .follows = sea::FieldSet::from_bits(tile.follows()),
             .coarser = loss_of(tile.coarser()),
-            .base = tile.base().value_or(0)};
+            .base = tile.base().value_or(0),
+            .noise = noise_of(tile.noise())};
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,

@@ -278,6 +278,7 @@ struct TileHeader {
     sea::CoarserLoss coarser = {};
     /// Others may be differences to this keyframe; of a tile that is one: the keyframe that it is to. 0: neither.
     std::uint64_t base = 0;
+    sea::CodedNoise noise = {}; ///< of the keyframe's heights, in tiles of their rates
 };
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload);
 /// The inverse; `tile` must have passed check().

@@ -39,6 +39,7 @@ class HeldKeyframe {
         sea::FieldSet follows; ///< made of height and its rate, whose errors they have
         double gain = 0.5;     ///< their variance over that of what they were made of (sea::Orbits)
         sea::CoarserLoss coarser = {}; ///< what they miss beside what the sea says
+        sea::CodedNoise noise = {};    ///< what coding left of heights, where the server says
     };
 
     /// `errors`: the bound that the encoder met, [field], in the field's unit; 0 where absent.
@@ -61,6 +62,7 @@ class HeldKeyframe {
     bool compact() const { return compact_.size > 0; }
     /// What it misses beside what the sea says of its maps.
     const sea::CoarserLoss& coarser() const { return compact_.coarser; }
+    const sea::CodedNoise& noise() const { return compact_.noise; }
     /// Between the samples that were coded.
     double coded_spacing_m() const {
         return keyframe_->length_m / (compact() ? compact_.size : keyframe_->size);

@@ -184,6 +184,8 @@ Result<void> TileAssembly::take(Pending& pending, const TileHeader& header,
     if (map.samples_seen != map.values.size())
         return bad_tile(header, "its parts do not cover the map");
     pending.received.insert(header.field);
+    if (header.noise.at_m > 0)
+        pending.noise = header.noise;
     pending.follows |= map.follows & sea::following(header.field);
     if (header.base != 0 && Predictions::fields.contains(header.field) &&
         pending.received.contains(Predictions::fields))
@@ -311,6 +313,7 @@ HeldKeyframePtr TileAssembly::assemble(Pending& pending) {
     }
     enlarge(pending, smaller, keyframe);
     compact.coarser = pending.header.coarser;
+    compact.noise = pending.noise;
     if (pending.linear_size < pending.size)
         compact.size = pending.linear_size;
     pending.handed_out = pending.whole;

@@ -85,6 +85,7 @@ class TileAssembly {
         sea::FieldSet whole;      ///< what is received, and made of that for somebody
         sea::FieldSet handed_out; ///< fields of the last keyframe made from it
         std::array<Map, sea::field_count> maps;
+        sea::CodedNoise noise; ///< as a tile of the rates said
         bool repeated = false; ///< what came last had come before
         int finished_then = 0; ///< requests that had ended when it was handed out
         bool stylised = false; ///< as its cascade

@@ -26,6 +26,13 @@ template <class Real>
     return u * u;
 }
 
+/// How near to half way: (4 s (1-s))^3, by which what coding leaves of predicted keyframes goes over to what it is there. So all
+/// scenes have it (PredictedNoise.*).
+inline double between_keyframes(double share) {
+    const double u = 4.0 * share * (1.0 - share);
+    return u * u * u;
+}
+
 /// Largest sum of the squared Hermite weights of two values and two rates, a rate over the interval having
 /// `rate` times the variance of a value. They meet neither at a keyframe nor quite in the middle.
 inline double codec_peak(double rate) {
@@ -46,7 +53,10 @@ struct MapLoss {
     double north_m = 0;  ///< likewise from south to north
     double value_m = 0;  ///< by coding, of values at grid points
     double rate_mps = 0; ///< by coding, of time rates at grid points
-    double cut_m = 0;    ///< everywhere and at any time: of waves that the map was sent without
+    /// By coding, half way between two keyframes, of what runs along with the waves (CodedNoise); 0: values and rates of both
+    /// have nothing to do with each other.
+    double between_m = 0;
+    double cut_m = 0; ///< everywhere and at any time: of waves that the map was sent without
     /// What a spline leaves out of a coded value's variance in the middle of a cell, by axis: a fifth where errors at
     /// the grid points are independent; nothing where they are long waves, coded on a smaller grid.
     double coded_relief = 0.2;
@@ -58,6 +68,8 @@ struct MapLoss {
     /// All of it, keyframes `interval_s` apart.
     double largest_variance_m2(double interval_s) const {
         const double value_m2 = value_m * value_m;
+        if (between_m > 0)
+            return interpolation_variance_m2() + std::max(value_m2, between_m * between_m);
         const double rate_m2 = rate_mps * rate_mps * interval_s * interval_s;
         return interpolation_variance_m2() +
                (value_m2 > 0 ? value_m2 * codec_peak(rate_m2 / value_m2) : rate_m2 / 32.0);
@@ -93,9 +105,11 @@ struct MapLoss {
     AtTime at(double share, const HermiteWeights& w) const {
         // Outside it is no bound, but grows; as far out as that it is of the height of the waves.
         const double time = time_m * between_samples(std::clamp(share, -2.0, 3.0));
-        const double coded =
-            value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
-            rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
+        double coded = value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
+                       rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
+        if (between_m > 0)
+            coded = value_m * value_m + (between_m * between_m - value_m * value_m) *
+                                            between_keyframes(std::clamp(share, 0.0, 1.0));
         return {time * time,       cut_m * cut_m, east_m * east_m,
                 north_m * north_m, coded,         coded_relief};
     }
@@ -118,6 +132,17 @@ struct CoarserLoss {
     double strain = 0;              ///< of grad D by both, fold_sigmas standard deviations
 
     bool operator==(const CoarserLoss&) const = default;
+};
+
+/// What coding has left of the heights of a keyframe that was predicted, as its server found: rms over the map, m. It runs along
+/// with the waves, so that it is of one pair of keyframes and of no other.
+struct CodedNoise {
+    TimeUs before_us = 0; ///< of the keyframe that it followed
+    double at_m = 0;      ///< at its own time; 0: nobody says
+    double between_m =
+        0; ///< half way between the two, or what MapLoss says elsewhere were too little; 0: it followed none
+
+    bool operator==(const CodedNoise&) const = default;
 };
 
 /// A surface has no more cascades than this.

@@ -81,6 +81,29 @@ Result<protocol::TileForms> forms_of(const sea::Keyframe& keyframe, sea::Field f
     return forms;
 }
 
+/// Where the parts of a map lie, row by row.
+std::vector<protocol::TileHeader> parts_of(const sea::Keyframe& keyframe, sea::Field field) {
+    const int side = protocol::limits::tile_side_max;
+    const int per_axis = (keyframe.size + side - 1) / side;
+    std::vector<protocol::TileHeader> parts;
+    for (int part = 0; part < per_axis * per_axis; ++part) {
+        const int x0 = (part % per_axis) * side;
+        const int y0 = (part / per_axis) * side;
+        parts.push_back({.epoch = keyframe.epoch,
+                         .cascade = keyframe.cascade,
+                         .field = field,
+                         .time_us = keyframe.time_us,
+                         .size = keyframe.size,
+                         .x0 = x0,
+                         .y0 = y0,
+                         .width = std::min(side, keyframe.size - x0),
+                         .height = std::min(side, keyframe.size - y0),
+                         .part = part,
+                         .parts = per_axis * per_axis});
+    }
+    return parts;
+}
+
 } // namespace
 
 std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields, bool differs) {
@@ -118,7 +141,7 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
     std::optional<Step> step;
     if (compact.law && (wanted & keyframe.fields).contains(predicted_fields) &&
         (!known || (known->fields & predicted_fields).empty()))
-        step = step_to(sent(sea::Field::height), quality, compact);
+        step = step_to(sent(sea::Field::height), quality, compact, !smaller.empty());
     encoded->base = step ? step->from : known ? known->base : 0;
     bool added = false;
     for (const sea::Field field : keyframe.fields) {
@@ -161,22 +184,23 @@ sea::Keyframe Encoder::compacted(const sea::Keyframe& keyframe, sea::FieldSet fi
     compact.rounded = keyframe.rounded;
     compact.forget_steps(keyframe.fields);
     const auto start = std::chrono::steady_clock::now();
-    const auto at = regrids_.find({keyframe.size, size});
-    const sea::Regrid& regrid =
-        at != regrids_.end()
-            ? at->second
-            : regrids_.emplace(std::pair(keyframe.size, size), sea::Regrid(keyframe.size, size))
-                  .first->second;
-    regrid.maps(keyframe, fields, compact);
+    regrid(keyframe.size, size).maps(keyframe, fields, compact);
     count({.seconds = seconds_since(start)});
     return compact;
 }
 
+const sea::Regrid& Encoder::regrid(int from, int to) {
+    const auto at = regrids_.find({from, to});
+    return at != regrids_.end()
+               ? at->second
+               : regrids_.emplace(std::pair(from, to), sea::Regrid(from, to)).first->second;
+}
+
 std::optional<Encoder::Step> Encoder::step_to(const sea::Keyframe& sent, Quality quality,
-                                              const CompactTiles& compact) {
+                                              const CompactTiles& compact, bool regridded) {
     if (!sea::Regrid::takes(sent.size) || sent.size > protocol::limits::predicted_size_max)
         return std::nullopt;
-    Step step;
+    Step step{.regridded = regridded};
     for (Step::Map* map : {&step.height, &step.rate})
         map->decoded.resize(sent.plane_size());
     const auto base = std::ranges::find_if(bases_, [&](const Base& one) {
@@ -187,6 +211,8 @@ std::optional<Encoder::Step> Encoder::step_to(const sea::Keyframe& sent, Quality
     if (base->time_us >= sent.time_us)
         return std::nullopt;
     step.from = base->number;
+    step.from_us = base->time_us;
+    step.noise_before = &base->noise;
     for (Step::Map* map : {&step.height, &step.rate})
         map->expected.resize(sent.plane_size());
     const auto start = std::chrono::steady_clock::now();
@@ -196,6 +222,15 @@ std::optional<Encoder::Step> Encoder::step_to(const sea::Keyframe& sent, Quality
     return step;
 }
 
+sea::CodedNoise Encoder::lost(const sea::Keyframe& sent, Step& step) {
+    const auto start = std::chrono::steady_clock::now();
+    step.noise = noise_of(sent, step.height.decoded, step.rate.decoded,
+                          step.regridded ? &regrid(sent.size, sent.size) : nullptr);
+    const sea::CodedNoise told = told_of(step.noise, sent, step.noise_before, step.from_us);
+    count({.seconds = seconds_since(start)});
+    return told;
+}
+
 void Encoder::keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& as,
                    const sea::WaveLaw& law) {
     std::erase_if(bases_, [&](const Base& one) {
@@ -203,10 +238,10 @@ void Encoder::keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& 
     });
     if (bases_.size() >= bases_max)
         bases_.pop_front();
-    Room::Place place = room_->take_anyway(2 * sent.plane_size() * sizeof(float));
+    Room::Place place = room_->take_anyway(4 * sent.plane_size() * sizeof(float));
     bases_.push_back({as.epoch, as.cascade, as.quality, as.number, as.time_us, sent.size, law,
                       std::move(step.height.decoded), std::move(step.rate.decoded),
-                      std::move(place)});
+                      std::move(step.noise), std::move(place)});
 }
 
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,
@@ -215,46 +250,40 @@ Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::F
     Step::Map* const map_step = step ? step->map_of(field) : nullptr;
     const std::uint64_t from = map_step ? step->from : 0;
     const auto start = std::chrono::steady_clock::now();
-    const int side = protocol::limits::tile_side_max;
-    const int per_axis = (keyframe.size + side - 1) / side;
     EncodedField map{.field = field, .error = error, .parts = {}};
-    for (int part = 0; part < per_axis * per_axis; ++part) {
-        const int x0 = (part % per_axis) * side;
-        const int y0 = (part / per_axis) * side;
-        protocol::TileHeader header{.keyframe = number,
-                                    .epoch = keyframe.epoch,
-                                    .cascade = keyframe.cascade,
-                                    .field = field,
-                                    .time_us = keyframe.time_us,
-                                    .size = keyframe.size,
-                                    .x0 = x0,
-                                    .y0 = y0,
-                                    .width = std::min(side, keyframe.size - x0),
-                                    .height = std::min(side, keyframe.size - y0),
-                                    .part = part,
-                                    .parts = per_axis * per_axis,
-                                    .error = error,
-                                    .follows = compact.follows & sea::following(field),
-                                    .coarser = compact.coarser,
-                                    .base = map_step ? number : 0};
-        const auto offset = static_cast<std::size_t>(y0) * static_cast<std::size_t>(keyframe.size) +
-                            static_cast<std::size_t>(x0);
-        const auto forms = forms_of(keyframe, field, {header.width, header.height}, offset, error,
-                                    map_step ? std::span(map_step->expected) : std::span<float>(),
-                                    map_step ? std::span(map_step->decoded) : std::span<float>());
+    std::vector<std::pair<protocol::TileHeader, protocol::TileForms>> made;
+    for (protocol::TileHeader header : parts_of(keyframe, field)) {
+        header.keyframe = number;
+        header.error = error;
+        header.follows = compact.follows & sea::following(field);
+        header.coarser = compact.coarser;
+        header.base = map_step ? number : 0;
+        const auto offset =
+            static_cast<std::size_t>(header.y0) * static_cast<std::size_t>(keyframe.size) +
+            static_cast<std::size_t>(header.x0);
+        auto forms = forms_of(keyframe, field, {header.width, header.height}, offset, error,
+                              map_step ? std::span(map_step->expected) : std::span<float>(),
+                              map_step ? std::span(map_step->decoded) : std::span<float>());
         if (!forms)
             return Error{fmt::format("keyframe of cascade {} at {} us, field {}: {}",
                                      keyframe.cascade, keyframe.time_us, sea::info(field).name,
                                      forms.error().message)};
+        made.emplace_back(header, *std::move(forms));
+    }
+    sea::CodedNoise noise; // the rate is the second of the two
+    if (map_step && field == sea::Field::height_rate)
+        noise = lost(keyframe, *step);
+    for (auto& [header, forms] : made) {
+        header.noise = noise;
         map.parts.push_back(
-            std::make_shared<const protocol::Bytes>(protocol::tile(header, forms->whole)));
+            std::make_shared<const protocol::Bytes>(protocol::tile(header, forms.whole)));
         if (from == 0)
             continue;
         header.base = from;
-        map.differences.push_back(forms->difference.empty()
+        map.differences.push_back(forms.difference.empty()
                                       ? map.parts.back()
                                       : std::make_shared<const protocol::Bytes>(
-                                            protocol::tile(header, forms->difference)));
+                                            protocol::tile(header, forms.difference)));
     }
     count({.fields_encoded = 1,
            .samples = keyframe.plane_size(),

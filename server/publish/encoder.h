@@ -30,6 +30,7 @@
 #include "sea/surface/maps/regrid.h"
 #include "server/host/memory.h"
 #include "server/host/quality.h"
+#include "server/publish/predicted_noise.h"
 
 namespace seaway::server {
 
@@ -116,6 +117,7 @@ class Encoder {
     void forget_what_is_over(const sea::Keyframe& next, Quality quality);
     /// The linear maps of these fields on the smaller grid.
     sea::Keyframe compacted(const sea::Keyframe& keyframe, sea::FieldSet fields, int size);
+    const sea::Regrid& regrid(int from, int to);
 
     /// Heights and rates of a keyframe as its receivers have them.
     struct Base {
@@ -127,11 +129,16 @@ class Encoder {
         int size = 0;
         sea::WaveLaw law = {};
         std::vector<float> height, rate;
+        PredictedNoise noise;
         Room::Place place;
     };
     /// From one keyframe of a cascade to the next.
     struct Step {
         std::uint64_t from = 0; ///< what it is predicted from; 0: nothing
+        sea::TimeUs from_us = 0;
+        bool regridded = false;                       ///< receivers bring it to another grid
+        const PredictedNoise* noise_before = nullptr; ///< of that, in `bases_`; null: of none
+        PredictedNoise noise;                         ///< once both are decoded
         struct Map {
             std::vector<float> expected; ///< [y][x]; none: nothing is
             std::vector<float> decoded;  ///< as receivers will have it
@@ -147,7 +154,9 @@ class Encoder {
     };
     /// None: what is sent takes no part in predictions.
     std::optional<Step> step_to(const sea::Keyframe& sent, Quality quality,
-                                const CompactTiles& compact);
+                                const CompactTiles& compact, bool regridded);
+    /// What of both maps of a step is lost on the way, which are decoded.
+    sea::CodedNoise lost(const sea::Keyframe& sent, Step& step);
     void keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& as,
               const sea::WaveLaw& law);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of coarser maps: wishes, grants, tiles.
+// What is said of coarser maps: wishes, grants, tiles; and of what rounding left of maps.
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -43,6 +44,31 @@ TEST(CoarserMessages, what_coarser_maps_miss_travels_and_nothing_of_it_where_the
     const wire::Subscribed& nothing = *read(reader, old)->body_as_Subscribed();
     EXPECT_EQ(nothing.why(), nullptr);
     EXPECT_EQ(nothing.limits(), nullptr);
+}
+
+TEST(CoarserMessages, what_rounding_left_travels_as_a_bound_and_nothing_of_it_where_nobody_says) {
+    MessageReader reader(Sender::server);
+    const std::vector<std::uint8_t> payload{1};
+    TileHeader header = some_tile();
+    EXPECT_EQ(read(reader, tile(header, payload))->body_as_Tile()->noise(), nullptr);
+    header.noise = {-640'000, 0.1, 0.3};
+    const Bytes told = tile(header, payload);
+    const wire::Tile& back = *read(reader, told)->body_as_Tile();
+    EXPECT_TRUE(check(back));
+    const sea::CodedNoise noise = protocol::header(back).noise;
+    EXPECT_EQ(noise.before_us, -640'000);
+    EXPECT_GE(noise.at_m, 0.1);
+    EXPECT_GE(noise.between_m, 0.3);
+    EXPECT_LT(noise.between_m, 0.3000001);
+    const auto why = [&](const sea::CodedNoise& wrong) {
+        header.noise = wrong;
+        const Result<void> fine = check(*read(reader, tile(header, payload)));
+        return fine ? std::string() : fine.error().message;
+    };
+    EXPECT_NE(why({0, 1e7, 0}).find("noise.at_m"), std::string::npos);
+    EXPECT_NE(why({0, 1, -1}).find("noise.between_m"), std::string::npos);
+    EXPECT_NE(why({0, 1, std::nan("")}).find("noise.between_m"), std::string::npos);
+    EXPECT_NE(why({limits::time_us_max + 1, 1, 1}).find("noise.before_us"), std::string::npos);
 }
 
 TEST(CoarserMessages, limits_out_of_range_are_errors_that_name_the_field) {

@@ -221,5 +221,49 @@ TEST(LocalAnswer, a_compact_keyframes_codec_error_is_that_of_waves_of_the_smalle
     }
 }
 
+// What a server found that rounding left is of two keyframes that follow each other; of others, and where it says nothing, it is
+// even noise. Naive: the rms of a keyframe that is told serves for any pair that it is of.
+TEST(LocalAnswer, what_a_server_found_that_rounding_left_counts_between_those_two_keyframes_alone) {
+    HeldKeyframe::FieldErrors errors{};
+    for (const Field field : sea::surface_fields)
+        errors[static_cast<std::size_t>(field)] = 0.003f;
+    const auto held = [&](sea::TimeUs time_us, const sea::CodedNoise& noise) {
+        sea::Keyframe made{1, 0, time_us, 16, tile_m, sea::surface_fields, {}};
+        made.values.resize(made.plane_size() * 6);
+        return std::make_shared<const HeldKeyframe>(
+            std::move(made), errors,
+            HeldKeyframe::Compact{.size = 0, .follows = {}, .noise = noise});
+    };
+    const auto height = [&](const HeldKeyframePtr& before, const HeldKeyframePtr& after) {
+        sea::CascadeLoss loss;
+        add_codec(loss, {before, after, true});
+        EXPECT_NEAR(loss.displacement.value_m, 0.003 / std::sqrt(3.0), 1e-9) << "as ever";
+        return loss.height;
+    };
+    const auto first = held(0, {.at_m = 1e-3});
+    const auto second = held(100'000, {0, 2e-3, 0.5e-3});
+    const sea::MapLoss told = height(first, second);
+    EXPECT_EQ(told.coded_relief, 0) << "waves have no relief between grid points";
+    const auto at = [](const sea::MapLoss& loss, double share) {
+        return std::sqrt(
+            loss.at(share, sea::hermite_weights(0, 100'000, std::llround(1e5 * share))).coded_m2);
+    };
+    EXPECT_DOUBLE_EQ(at(told, 0), 2e-3) << "the larger of both";
+    EXPECT_DOUBLE_EQ(at(told, 1), 2e-3);
+    EXPECT_DOUBLE_EQ(at(told, 0.5), 0.5e-3);
+    EXPECT_NEAR(std::pow(at(told, 0.25), 2), 4e-6 - 3.75e-6 * 27 / 64, 1e-15);
+    EXPECT_DOUBLE_EQ(told.largest_variance_m2(0.1), 4e-6);
+    EXPECT_DOUBLE_EQ(at(told, 1.25), 2e-3) << "beyond them nothing is a bound";
+    const sea::MapLoss even = height(held(0, {}), held(100'000, {}));
+    for (const auto& [before, after] : {std::pair(held(-100'000, {.at_m = 1e-3}), second),
+                                        {held(0, {}), second},
+                                        {first, held(100'000, {.before_us = 0, .at_m = 2e-3})},
+                                        {second, second}}) {
+        const sea::MapLoss loss = height(before, after);
+        EXPECT_DOUBLE_EQ(at(loss, 0.5), at(even, 0.5));
+        EXPECT_DOUBLE_EQ(loss.largest_variance_m2(0.1), even.largest_variance_m2(0.1));
+    }
+}
+
 } // namespace
 } // namespace seaway::client

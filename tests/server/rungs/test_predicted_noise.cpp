@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What coding leaves of predicted maps: not even noise, as rounding each map by itself does, but less than is stated of it.
+// What coding leaves of predicted maps: not even noise, as rounding each map by itself does, but what the server says of heights,
+// and less than is stated of what follows from them.
 #include <cmath>
 #include <optional>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "client/held/tile_assembly.h"
+#include "client/local_surface.h"
 #include "sea/surface/maps/hermite.h"
 #include "server/device/device_choice.h"
 #include "server/host/grant.h"
@@ -98,17 +101,20 @@ double over_stated(const Stream& stream, Field value, Field rate, double share) 
                          w.value[3] * off(*stream.now, *stream.truth, rate, i);
         m2 += e * e;
     }
-    sea::MapLoss loss;
-    loss.value_m = stream.now->coded_rms(value);
-    loss.rate_mps = stream.now->coded_rms(rate);
-    return std::sqrt(m2 / static_cast<double>(stream.truth->plane_size()) /
-                     loss.at(share, w).coded_m2);
+    sea::CascadeLoss loss;
+    client::add_codec(loss, {stream.before, stream.now});
+    return std::sqrt(
+        m2 / static_cast<double>(stream.truth->plane_size()) /
+        (value == Field::height ? loss.height : loss.displacement).at(share, w).coded_m2);
 }
 
-// Of the first keyframe, which stands alone, it is what is stated; a stream settles within some ten keyframes, to 0.79 to
-// 0.97 of it at keyframes and to 0.68 to 0.76 between them, rates being a quarter to a half of theirs. A map has some
-// thousand independent values, so that the standard error of one ratio is 0.01 to 0.02: five of them are allowed beyond 1.
-TEST(PredictedNoise, is_no_more_than_is_stated_at_any_time_in_any_scene) {
+// Heights: no more than is stated at the times that the server has looked at, 1.02 of it at others (1.05 an eighth after the first
+// keyframe, whose rates are even noise); and once a stream has settled 0.89 at the least, since the larger of two keyframes is taken
+// for both. Displacements are stated as of even noise: of a first keyframe it is
+// that, and less within some ten. A map has some thousand independent values, so that the standard error of one ratio is 0.01 to
+// 0.02: five of them are allowed beyond 1.
+TEST(PredictedNoise,
+     of_heights_is_what_is_stated_at_any_time_in_any_scene_and_of_displacements_no_more) {
     int predicted = 0, left_alone = 0;
     for (const char* scene_name :
          {"calm", "crossing_seas", "gerstner_toy", "hurricane", "measured_buoy", "north_sea_gale",
@@ -124,16 +130,21 @@ TEST(PredictedNoise, is_no_more_than_is_stated_at_any_time_in_any_scene) {
             (stream.predicts() ? predicted : left_alone) += 1;
             for (int n = 0; n < (stream.predicts() ? 30 : 0); ++n) {
                 ASSERT_NO_FATAL_FAILURE(stream.next());
-                if (n % 6 != 5 || stream.now->coded_rms(Field::height) == 0)
+                const bool settled = n % 6 == 5;
+                if (!(settled || (n >= 1 && n <= 3)) || stream.now->coded_rms(Field::height) == 0)
                     continue;
-                for (const double share : {0.25, 0.5, 1.0})
+                SCOPED_TRACE(fmt::format("{}, cascade {}, keyframe {}", scene_name, c, n));
+                for (const double share : {0.0, 0.125, 0.25, 0.5, 0.75, 1.0}) {
+                    const double of_height =
+                        over_stated(stream, Field::height, Field::height_rate, share);
+                    EXPECT_LT(of_height, settled ? 1.03 : 1.07) << "at " << share;
+                    EXPECT_GT(of_height, settled ? 0.85 : 0.7) << "at " << share;
                     for (const auto& [value, rate] :
-                         {std::pair(Field::height, Field::height_rate),
-                          {Field::displacement_x, Field::displacement_x_rate},
+                         {std::pair(Field::displacement_x, Field::displacement_x_rate),
                           {Field::displacement_y, Field::displacement_y_rate}})
-                        EXPECT_LT(over_stated(stream, value, rate, share), 1.08)
-                            << scene_name << ", cascade " << c << ", keyframe " << n << ", "
+                        EXPECT_LT(over_stated(stream, value, rate, share), settled ? 1.08 : 1.2)
                             << sea::info(value).name << " at " << share;
+                }
             }
         }
     }
