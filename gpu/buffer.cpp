@@ -142,6 +142,9 @@ Result<void> download(Device& device, const Buffer& buffer, std::span<std::byte>
     if (!staging)
         return staging.error();
     Result<void> copied = run_once(device, [&](Commands& commands) {
+        // Who waited for what was written has made it available, but not visible to this submission.
+        commands.barrier(Stage::compute, Stage::copy);
+        commands.barrier(Stage::copy, Stage::copy);
         commands.copy(buffer, *staging, bytes.size());
         commands.barrier(Stage::copy, Stage::host);
     });

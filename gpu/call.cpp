@@ -40,6 +40,11 @@ std::string result_name(VkResult result) {
     return "VkResult " + std::to_string(static_cast<int>(result));
 }
 
+bool is_out_of_memory(const Error& error) {
+    return error.is(VK_ERROR_OUT_OF_DEVICE_MEMORY) || error.is(VK_ERROR_OUT_OF_HOST_MEMORY) ||
+           error.is(VK_ERROR_TOO_MANY_OBJECTS);
+}
+
 Error call_error(const char* name, VkResult result) {
     for (const Known& known : known_results)
         if (known.result == result)

@@ -21,6 +21,9 @@ namespace seaway::gpu {
 /// "VK_ERROR_DEVICE_LOST"; unknown codes as a number.
 std::string result_name(VkResult result);
 
+/// Is it that there is no memory, of the device or of this process, or no room in what a device keeps of it?
+bool is_out_of_memory(const Error& error);
+
 /// "vkQueueSubmit2: device lost (VK_ERROR_DEVICE_LOST)"; its kind is the VkResult.
 Error call_error(const char* name, VkResult result);
 

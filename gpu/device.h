@@ -57,7 +57,7 @@ class Device {
     std::uint32_t time_stamp_bits() const { return time_stamp_bits_; }
 
     /// True where device memory can be read and written in place by the CPU at full speed
-    /// (lavapipe, most integrated GPUs): device buffers are mapped and need no copies.
+    /// (lavapipe; GPUs that share memory which the processor caches, as Intel's): device buffers are mapped and need no copies.
     bool unified_memory() const { return unified_memory_; }
 
     /// Memory type for `bits` that has all of `required` and as many of `preferred` as there are;

@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include "gpu/device_info.h"
-#include "server/device/device_choice.h"
 
 namespace seaway::server {
 
@@ -18,13 +17,15 @@ Result<std::unique_ptr<Synthesizer>> make(const DeviceChoice& choice, bool valid
     return made;
 }
 
-/// Where the choice is ours: it is told, and the native device does what a GPU has no kernels for.
-Result<std::unique_ptr<Synthesizer>> make_best(bool validation, const sea::RealizationPtr& sea,
-                                               std::uint32_t epoch) {
-    SEAWAY_TRY_LET(DeviceChoice choice, choose_device(auto_device));
+} // namespace
+
+Result<std::unique_ptr<Synthesizer>> make_best(DeviceChoice choice, bool validation,
+                                               const sea::RealizationPtr& sea, std::uint32_t epoch,
+                                               Making making) {
     Result<std::unique_ptr<Synthesizer>> made = make(choice, validation, sea, epoch);
-    // A GPU that was lost or is out of memory is worth another try instead.
-    if (!made && choice.vulkan && made.error().is(DeviceError::cannot_do_this_sea)) {
+    // A GPU that was lost, or is out of memory, is worth another try instead, while there are any.
+    if (!made && choice.vulkan &&
+        (making == Making::what_there_is || made.error().is(DeviceError::cannot_do_this_sea))) {
         choice = {{}, made.error().message};
         made = make(choice, validation, sea, epoch);
     }
@@ -33,14 +34,12 @@ Result<std::unique_ptr<Synthesizer>> make_best(bool validation, const sea::Reali
     return made;
 }
 
-} // namespace
-
 SynthesizerFactory device_factory(const Options& options) {
-    return [options](const sea::RealizationPtr& sea,
-                     std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
-        if (options.device == auto_device)
-            return make_best(options.validation, sea, epoch);
+    return [options](const sea::RealizationPtr& sea, std::uint32_t epoch,
+                     Making making) -> Result<std::unique_ptr<Synthesizer>> {
         SEAWAY_TRY_LET(const DeviceChoice choice, choose_device(options.device));
+        if (options.device == auto_device)
+            return make_best(choice, options.validation, sea, epoch, making);
         return make(choice, options.validation, sea, epoch);
     };
 }

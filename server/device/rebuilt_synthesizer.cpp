@@ -2,6 +2,7 @@
 #include "server/device/rebuilt_synthesizer.h"
 
 #include <algorithm>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,7 @@ Result<std::unique_ptr<RebuiltSynthesizer>> RebuiltSynthesizer::start(Synthesize
     std::unique_ptr<RebuiltSynthesizer> made(
         new RebuiltSynthesizer(std::move(factory), std::move(warn)));
     SEAWAY_TRY(made->set_sea(std::move(sea), epoch));
-    SEAWAY_TRY(made->rebuild());
+    SEAWAY_TRY(made->rebuild(Making::what_there_is));
     return made;
 }
 
@@ -38,10 +39,10 @@ Result<void> RebuiltSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t 
     return {};
 }
 
-Result<void> RebuiltSynthesizer::rebuild() {
+Result<void> RebuiltSynthesizer::rebuild(Making making) {
     before_ = counters();
     device_.reset();
-    SEAWAY_TRY_LET(device_, factory_(sea_, epoch_));
+    SEAWAY_TRY_LET(device_, factory_(sea_, epoch_, making));
     return {};
 }
 
@@ -57,7 +58,11 @@ Result<T> RebuiltSynthesizer::attempt(bool on_foam, const Work& work) {
         }
         if (device_) {
             Result<T> made = work(*device_);
-            if (made || made.error().is(DeviceError::out_of_memory))
+            const bool lacks_memory = !made && made.error().is(DeviceError::out_of_memory);
+            if (warn_ && lacks_memory && !lacks_memory_)
+                warn_("refused for want of memory: " + made.error().message);
+            lacks_memory_ = lacks_memory;
+            if (made || lacks_memory)
                 return made; // another device would have no more of it
             last = made.error();
         }
@@ -67,7 +72,12 @@ Result<T> RebuiltSynthesizer::attempt(bool on_foam, const Work& work) {
             warn_(fmt::format("device failed, rebuilding it ({} of {}): {}", attempt + 1,
                               device_rebuilds_max, last.message));
         ++rebuilds_;
-        if (const Result<void> rebuilt = rebuild(); !rebuilt)
+        device_.reset(); // what it has is free meanwhile
+        std::this_thread::sleep_for(device_rebuild_pauses[static_cast<std::size_t>(attempt)]);
+        const bool no_other_follows = attempt + 1 == device_rebuilds_max;
+        if (const Result<void> rebuilt =
+                rebuild(no_other_follows ? Making::what_there_is : Making::the_same);
+            !rebuilt)
             last = rebuilt.error();
     }
 }

@@ -3,6 +3,8 @@
 // what was asked is asked again, a bounded number of times. Counters go on over rebuilds; foam maps are lost.
 #pragma once
 
+#include <array>
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -11,18 +13,26 @@
 
 namespace seaway::server {
 
+/// Which device a factory is to make.
+enum class Making {
+    the_same,      ///< as before: what it lacks may be there again later
+    what_there_is, ///< any other instead, where the choice is the server's: at the start, and when no further try follows
+};
+
 /// Makes a device that holds the sea already.
 using SynthesizerFactory = std::function<Result<std::unique_ptr<Synthesizer>>(
-    const sea::RealizationPtr& sea, std::uint32_t epoch)>;
+    const sea::RealizationPtr& sea, std::uint32_t epoch, Making making)>;
 
-/// Of one call of synthesize().
-inline constexpr int device_rebuilds_max = 3;
+/// Of one call of synthesize(), each after a pause: a GPU that is reset, or whose driver is loaded anew, is away for some seconds.
+inline constexpr std::array<std::chrono::milliseconds, 3> device_rebuild_pauses{
+    std::chrono::milliseconds(0), std::chrono::milliseconds(500), std::chrono::milliseconds(3000)};
+inline constexpr int device_rebuilds_max = static_cast<int>(device_rebuild_pauses.size());
 
 class RebuiltSynthesizer final : public Synthesizer {
   public:
     using Warn = std::function<void(const std::string& why)>;
 
-    /// Makes the first device. `warn` is told of each that fails.
+    /// Makes the first device. `warn` is told of each that fails, and once of memory that is lacking.
     static Result<std::unique_ptr<RebuiltSynthesizer>>
     start(SynthesizerFactory factory, sea::RealizationPtr sea, std::uint32_t epoch, Warn warn);
 
@@ -42,7 +52,7 @@ class RebuiltSynthesizer final : public Synthesizer {
   private:
     RebuiltSynthesizer(SynthesizerFactory factory, Warn warn)
         : factory_(std::move(factory)), warn_(std::move(warn)) {}
-    Result<void> rebuild();
+    Result<void> rebuild(Making making);
     /// Work on a device, or on the next one; `on_foam`: there are maps in it that only this one has.
     template <class T, class Work>
     Result<T> attempt(bool on_foam, const Work& work);
@@ -54,7 +64,8 @@ class RebuiltSynthesizer final : public Synthesizer {
     std::unique_ptr<Synthesizer> device_; ///< null after a rebuild that failed
     SynthesisCounters before_;            ///< of devices that are gone
     std::uint64_t rebuilds_ = 0;
-    int foam_losses_ = 0; ///< in a row, without foam that was made in between
+    bool lacks_memory_ = false; ///< for what was asked for last
+    int foam_losses_ = 0;       ///< in a row, without foam that was made in between
 };
 
 } // namespace seaway::server

@@ -75,8 +75,12 @@ class VulkanBatch {
     using RunId = int; ///< which place a run has: of the ring, or `own`
     static constexpr RunId own = ring_slots;
 
+    /// Is there memory for one more run that others follow? The ring is made when it is first asked for; where that has once been
+    /// too much, runs go one after the other.
+    Result<bool> can_be_followed();
+
     /// The first half of run(): it is under way. `more`: another may be started before this one is finished, at most
-    /// ring_slots at a time; where memory is not read in place. Without `more` there is no other way for it to go than
+    /// ring_slots at a time; where memory is not read in place and can_be_followed(). Without `more` there is no other way for it to go than
     /// run() has: one submission, and it must be finished before the next is started.
     Result<RunId> start(std::span<const Job> jobs, const Packing& packing, const After& after,
                         std::optional<std::size_t> first_held, bool more);
@@ -175,7 +179,7 @@ class VulkanBatch {
     }
     Slot& slot_of(RunId run) { return const_cast<Slot&>(std::as_const(*this).slot_of(run)); }
     Result<void> make(Slot& slot);
-    Result<RunId> free_slot();
+    RunId free_slot() const;
     Result<void> submit(Slot& slot, bool copies);
     Result<void> record_copying(Slot& slot);
     Result<void> make_rounding(Slot& slot);
@@ -228,6 +232,7 @@ class VulkanBatch {
     Target held_;
     Slot own_; ///< of runs that nothing follows: their maps go to what is held, or to the scratch
     std::array<Slot, ring_slots> ring_;
+    bool ring_lacks_memory_ = false;
     std::chrono::steady_clock::time_point computed_; ///< when the last run was seen to be
     std::uint64_t dispatches_ = 0;
     std::uint64_t travelled_bytes_ = 0;

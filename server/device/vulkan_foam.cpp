@@ -19,6 +19,12 @@ namespace {
 
 constexpr std::size_t first_slots = 4;
 
+/// What earlier submissions wrote is there for copies: whoever waited for them has made it available, but not visible to this one.
+void after_all(gpu::Commands& commands) {
+    commands.barrier(gpu::Stage::compute, gpu::Stage::copy);
+    commands.barrier(gpu::Stage::copy, gpu::Stage::copy);
+}
+
 } // namespace
 
 /// Which places are taken. Outlives the device.
@@ -73,6 +79,7 @@ Result<void> VulkanFoam::grow() {
                                        gpu::BufferKind::device));
     if (histories_)
         SEAWAY_TRY(gpu::run_once(device_, [&](gpu::Commands& commands) {
+            after_all(commands);
             commands.copy(*histories_, made, before * map_bytes_);
             commands.barrier(gpu::Stage::copy, gpu::Stage::compute);
         }));
@@ -96,6 +103,7 @@ Result<FoamMapPtr> VulkanFoam::open(const FoamMap* from) {
     }
     FoamMapPtr map = std::make_shared<Map>(slots_, slot);
     SEAWAY_TRY(gpu::run_once(device_, [&](gpu::Commands& commands) {
+        after_all(commands);
         if (from != nullptr)
             commands.copy(*histories_, *histories_, map_bytes_, place(*from) * vec4_bytes,
                           slot * map_bytes_);

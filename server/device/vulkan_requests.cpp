@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "base/check.h"
+#include "gpu/call.h"
 #include "server/device/vulkan_foam.h"
 #include "shaders/shared/synthesis.h"
 
@@ -56,6 +57,10 @@ std::vector<sea::RoundedMap> rounded_maps(const KeyframeRequest& request) {
         maps.push_back({field, std::bit_cast<float>(bits & ~0xfffu), error, {}});
     }
     return maps;
+}
+
+Error refused_for_now(const Error& error) {
+    return gpu::is_out_of_memory(error) ? Error{DeviceError::out_of_memory, error.message} : error;
 }
 
 std::optional<VulkanBatch::Rounding> rounding_of(const RequestBatch& batch, const Packing& packing,

@@ -41,6 +41,10 @@ std::vector<RequestBatch> sort_requests(std::span<const KeyframeRequest> request
 /// the caller's to fill (KeyframeRequest) has none.
 std::vector<sea::RoundedMap> rounded_maps(const KeyframeRequest& request);
 
+/// An error for want of the device's memory as one of DeviceError::out_of_memory: the device is there, and has some for others. Others
+/// as they are.
+Error refused_for_now(const Error& error);
+
 /// What the kernel is told of requests of a batch; none: it does not round.
 std::optional<VulkanBatch::Rounding> rounding_of(const RequestBatch& batch, const Packing& packing,
                                                  std::span<const KeyframeRequest> requests,

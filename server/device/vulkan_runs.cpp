@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/check.h"
+#include "gpu/call.h"
 #include "server/device/vulkan_batch.h"
 #include "shaders/shared/synthesis.h"
 
@@ -22,12 +23,23 @@ bool VulkanBatch::any_under_way() const {
     return own_.under_way || std::ranges::any_of(ring_, &Slot::under_way);
 }
 
-Result<VulkanBatch::RunId> VulkanBatch::free_slot() {
+VulkanBatch::RunId VulkanBatch::free_slot() const {
     const auto free = std::ranges::find(ring_, false, &Slot::under_way);
     SEAWAY_CHECK(free != ring_.end(), "a run of the ring is finished before the next but two");
-    if (free->maps.size_bytes() == 0)
-        SEAWAY_TRY(make(*free));
     return static_cast<RunId>(free - ring_.begin());
+}
+
+Result<bool> VulkanBatch::can_be_followed() {
+    if (ring_lacks_memory_)
+        return false;
+    Slot& slot = ring_[static_cast<std::size_t>(free_slot())];
+    if (slot.maps.size_bytes() != 0)
+        return true;
+    const Result<void> made = make(slot);
+    ring_lacks_memory_ = !made && gpu::is_out_of_memory(made.error());
+    if (!made && !ring_lacks_memory_)
+        return made.error();
+    return !ring_lacks_memory_;
 }
 
 Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing, const After& after,
@@ -48,10 +60,7 @@ Result<VulkanBatch::RunId> VulkanBatch::start(std::span<const Job> jobs, const P
     SEAWAY_CHECK(after.foam == nullptr || after.foam->steps.size() <= shaders::foam_steps_max,
                  "more steps of foam than there is room for");
     SEAWAY_CHECK(!own_.under_way && !(more && first_held), "a run that others may follow");
-    RunId id = own;
-    if (more) {
-        SEAWAY_TRY_LET(id, free_slot());
-    }
+    const RunId id = more ? free_slot() : own;
     Slot& slot = slot_of(id);
     if (after.foam != nullptr)
         SEAWAY_TRY(bind_foam(first_held ? held_ : slot.target, *after.foam->histories));

@@ -320,7 +320,7 @@ Result<void> Vulkan::make_parts(std::span<const KeyframeRequest> parts,
             ran = named(collected.error());
     if (!ran) {
         end_runs();
-        return ran;
+        return refused_for_now(ran.error());
     }
     return {};
 }
@@ -356,9 +356,12 @@ Result<void> Vulkan::run_copied(const Run& run, const Packing& packing,
                                 std::span<const NewKeyframePtr> keyframes) {
     if (run.batch->fields.empty())
         return run_on_device(run, packing, requests, {});
-    const bool more = run.more && !device_->unified_memory();
+    bool more = run.more && !device_->unified_memory();
     while (readbacks_.under_way() >= VulkanBatch::ring_slots)
         SEAWAY_TRY(collect());
+    if (more) {
+        SEAWAY_TRY_LET(more, run.on->can_be_followed());
+    }
     SEAWAY_TRY_LET(const std::optional<VulkanBatch::RunId> id,
                    start_on_device(run, packing, requests, {}, more));
     if (!id) { // foam alone, without a turn: whoever asked fills it
@@ -369,7 +372,9 @@ Result<void> Vulkan::run_copied(const Run& run, const Packing& packing,
     for (std::size_t job = 0; run.batch->rounds && job < keyframes.size(); ++job)
         keyframes[job]->rounded = rounded_maps(requests[run.indices[job]]);
     readbacks_.add({run.on, *id, packing, {keyframes.begin(), keyframes.end()}, run.batch->rounds});
-    return more ? Result<void>() : collect();
+    while (!more && readbacks_.under_way() > 0) // what follows all the same has the same place
+        SEAWAY_TRY(collect());
+    return {};
 }
 
 Result<void> Vulkan::collect() {
@@ -408,9 +413,7 @@ Result<StandingKeyframe> Vulkan::run_job_there(const Run& run,
 
 Result<FoamMapPtr> Vulkan::open_foam(int size, const FoamMap* from) try {
     Result<FoamMapPtr> opened = foam_.try_emplace(size, *device_, size).first->second.open(from);
-    if (!opened)
-        return named(opened.error());
-    return opened;
+    return opened ? opened : Result<FoamMapPtr>(refused_for_now(named(opened.error())));
 } catch (const std::bad_alloc&) {
     return no_memory();
 }

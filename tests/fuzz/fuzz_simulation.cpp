@@ -43,8 +43,8 @@ struct Bench {
         const Result<sea::Scene> scene = sea::parse_scene(scene_text, "fuzz", ".");
         simulation = *server::Simulation::start(
             *server::SeaCourse::begin(*scene),
-            [](const sea::RealizationPtr& sea,
-               std::uint32_t epoch) -> Result<std::unique_ptr<server::Synthesizer>> {
+            [](const sea::RealizationPtr& sea, std::uint32_t epoch,
+               server::Making) -> Result<std::unique_ptr<server::Synthesizer>> {
                 auto made = std::make_unique<server::NativeSynthesizer>(1);
                 SEAWAY_TRY(made->set_sea(sea, epoch));
                 return std::unique_ptr<server::Synthesizer>(std::move(made));

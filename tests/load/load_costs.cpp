@@ -119,7 +119,7 @@ class Costs {
 
   private:
     static Result<std::unique_ptr<Synthesizer>> native(const sea::RealizationPtr& realization,
-                                                       std::uint32_t epoch) {
+                                                       std::uint32_t epoch, server::Making) {
         auto made = std::make_unique<NativeSynthesizer>();
         SEAWAY_TRY(made->set_sea(realization, epoch));
         return std::unique_ptr<Synthesizer>(std::move(made));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Devices that fail as they are told to: how often another one is made, and when.
+#include <chrono>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -14,7 +17,10 @@ struct Yard {
     int fails = 0;            ///< so many of those that are made next
     bool refuses_sea = false; ///< the one that is there
     bool fails_foam = false;  ///< all of them
+    bool lacks_memory = false;
     int made = 0;
+    std::vector<Making> makings = {}; ///< as they were asked for
+    std::vector<std::string> warnings = {};
 };
 
 struct MapOfOne final : FoamMap {
@@ -36,6 +42,8 @@ class OneDevice final : public Synthesizer {
     }
     Result<std::vector<NewKeyframePtr>>
     synthesize(std::span<const KeyframeRequest> requests) override {
+        if (yard_.lacks_memory)
+            return Error{DeviceError::out_of_memory, "full"};
         if (yard_.fails_foam && requests[0].foam != nullptr)
             return Error{"lost in foam"};
         return std::vector<NewKeyframePtr>(requests.size());
@@ -49,15 +57,53 @@ class OneDevice final : public Synthesizer {
 
 std::unique_ptr<RebuiltSynthesizer> started(Yard& yard) {
     return RebuiltSynthesizer::start(
-               [&](const sea::RealizationPtr&,
-                   std::uint32_t) -> Result<std::unique_ptr<Synthesizer>> {
+               [&](const sea::RealizationPtr&, std::uint32_t,
+                   server::Making making) -> Result<std::unique_ptr<Synthesizer>> {
+                   yard.makings.push_back(making);
                    if (yard.fails > 0 && yard.fails-- > 0)
                        return Error{"no device now"};
                    ++yard.made;
                    return std::unique_ptr<Synthesizer>(std::make_unique<OneDevice>(yard));
                },
-               nullptr, 1, {})
+               nullptr, 1, [&](const std::string& why) { yard.warnings.push_back(why); })
         .value();
+}
+
+// Naive: three tries within 22 ms. A GPU whose driver is loaded anew is away for seconds, and the server has ended before.
+TEST(RebuiltSynthesizer,
+     what_is_away_for_a_while_is_waited_for_and_another_one_taken_at_last_alone) {
+    Yard yard;
+    const std::unique_ptr<RebuiltSynthesizer> device = started(yard);
+    yard.refuses_sea = true;
+    ASSERT_TRUE(device->set_sea(nullptr, 1));
+    yard.refuses_sea = false;
+    yard.fails = 2;
+    const KeyframeRequest request{0, 1, {sea::Field::height}};
+    const auto begun = std::chrono::steady_clock::now();
+    EXPECT_TRUE(device->synthesize({&request, 1}));
+    EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3));
+    using enum Making;
+    EXPECT_EQ(yard.makings, (std::vector{what_there_is, the_same, the_same, what_there_is}));
+}
+
+// It is there, and so are others who ask for less; whoever runs it is told once, and not at each request.
+TEST(RebuiltSynthesizer, a_device_without_memory_for_a_request_is_not_made_anew) {
+    Yard yard;
+    const std::unique_ptr<RebuiltSynthesizer> device = started(yard);
+    const KeyframeRequest request{0, 1, {sea::Field::height}};
+    for (int round = 0; round < 2; ++round) {
+        yard.lacks_memory = true;
+        for (int i = 0; i < 5; ++i) {
+            const auto refused = device->synthesize({&request, 1});
+            ASSERT_FALSE(refused);
+            EXPECT_TRUE(refused.error().is(DeviceError::out_of_memory));
+        }
+        yard.lacks_memory = false;
+        EXPECT_TRUE(device->synthesize({&request, 1}));
+        EXPECT_EQ(yard.warnings.size(), static_cast<std::size_t>(round + 1));
+    }
+    EXPECT_EQ(device->rebuilds(), 0u);
+    EXPECT_EQ(yard.made, 1);
 }
 
 // As in a glide: the sea is another at each moment.
@@ -116,7 +162,8 @@ TEST(RebuiltSynthesizer, devices_that_all_fail_on_foam_end_as_any_that_fails) {
 TEST(RebuiltSynthesizer, a_device_that_cannot_be_made_at_the_start_is_an_error_at_once) {
     Yard yard{.fails = 1};
     const auto device = RebuiltSynthesizer::start(
-        [&](const sea::RealizationPtr&, std::uint32_t) -> Result<std::unique_ptr<Synthesizer>> {
+        [&](const sea::RealizationPtr&, std::uint32_t,
+            server::Making) -> Result<std::unique_ptr<Synthesizer>> {
             ++yard.made;
             return Error{"none"};
         },

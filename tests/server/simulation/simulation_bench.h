@@ -118,8 +118,8 @@ struct Bench {
         : answer_threads(threads), sea(running_sea(more)) {
         Result<std::unique_ptr<Simulation>> started = Simulation::start(
             course,
-            [this](const sea::RealizationPtr& realization,
-                   std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+            [this](const sea::RealizationPtr& realization, std::uint32_t epoch,
+                   server::Making) -> Result<std::unique_ptr<Synthesizer>> {
                 auto made = std::make_unique<FailingSynthesizer>(failures, no_memory);
                 SEAWAY_TRY(made->set_sea(realization, epoch));
                 ++uploads;

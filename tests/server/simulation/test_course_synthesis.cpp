@@ -24,8 +24,8 @@ struct Course {
         EXPECT_TRUE(course->add(*next, 20 * second_us, 30 * second_us));
         glide_epoch = course->at(25 * second_us)->epoch;
         Result<std::unique_ptr<RebuiltSynthesizer>> made = RebuiltSynthesizer::start(
-            [device](const sea::RealizationPtr& waves,
-                     std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+            [device](const sea::RealizationPtr& waves, std::uint32_t epoch,
+                     server::Making) -> Result<std::unique_ptr<Synthesizer>> {
                 std::unique_ptr<Synthesizer> one = std::make_unique<NativeSynthesizer>();
                 if (device == "vulkan") {
                     SEAWAY_TRY_LET(one, make_vulkan_synthesizer({}));

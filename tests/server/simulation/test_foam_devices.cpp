@@ -347,8 +347,8 @@ TEST_P(FoamOn, follows_a_sea_that_glides_to_another) {
         course->add(*sea::changed(sea_->scene, {&wind, 1}), 20 * second_us, 30 * second_us));
     const auto of = [&](On on) {
         Result<std::unique_ptr<RebuiltSynthesizer>> device = RebuiltSynthesizer::start(
-            [&](const sea::RealizationPtr& waves,
-                std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+            [&](const sea::RealizationPtr& waves, std::uint32_t epoch,
+                server::Making) -> Result<std::unique_ptr<Synthesizer>> {
                 SEAWAY_TRY_LET(std::unique_ptr<Synthesizer> one, made_on(on));
                 SEAWAY_TRY(one->set_sea(waves, epoch));
                 return one;

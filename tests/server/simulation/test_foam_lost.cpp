@@ -14,7 +14,7 @@ const std::string lasting = "[foam]\nthreshold = 0.8\ndecay_s = 3\n";
 
 /// Of which no call fails.
 Result<std::unique_ptr<Synthesizer>> sound_vulkan(const sea::RealizationPtr& waves,
-                                                  std::uint32_t epoch) {
+                                                  std::uint32_t epoch, server::Making) {
     gpu::fault::disarm();
     SEAWAY_TRY_LET(std::unique_ptr<VulkanSynthesizer> made,
                    make_vulkan_synthesizer({.validation = true}));

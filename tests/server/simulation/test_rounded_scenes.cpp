@@ -163,8 +163,8 @@ class RoundedAnswers {
         : course_(std::make_shared<SeaCourse>(std::move(sea))) {
         simulation_ = Simulation::start(
                           course_,
-                          [](const sea::RealizationPtr& realization,
-                             std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                          [](const sea::RealizationPtr& realization, std::uint32_t epoch,
+                             server::Making) -> Result<std::unique_ptr<Synthesizer>> {
                               std::unique_ptr<Synthesizer> made = staged_device();
                               SEAWAY_TRY(made->set_sea(realization, epoch));
                               return made;
@@ -219,8 +219,8 @@ class RoundedGlide : public testing::Test {
         ASSERT_TRUE(course_->add(sea::changed(sea->scene, {&wind, 1}).value(), 20 * second_us,
                                  30 * second_us));
         auto device = RebuiltSynthesizer::start(
-            [](const sea::RealizationPtr& waves,
-               std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+            [](const sea::RealizationPtr& waves, std::uint32_t epoch,
+               server::Making) -> Result<std::unique_ptr<Synthesizer>> {
                 std::unique_ptr<Synthesizer> made = staged_device();
                 SEAWAY_TRY(made->set_sea(waves, epoch));
                 return made;

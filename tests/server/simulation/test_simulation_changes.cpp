@@ -306,8 +306,8 @@ TEST(SimulationChanges, a_change_in_the_middle_of_a_walk_of_foam_is_not_in_its_w
     const Memory memory(Memory::bytes_default, needs_of(*sea));
     KeyframeSource source(course,
                           RebuiltSynthesizer::start(
-                              [&](const sea::RealizationPtr& waves,
-                                  std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                              [&](const sea::RealizationPtr& waves, std::uint32_t epoch,
+                                  server::Making) -> Result<std::unique_ptr<Synthesizer>> {
                                   auto made = std::make_unique<InterruptedSynthesizer>(change);
                                   SEAWAY_TRY(made->set_sea(waves, epoch));
                                   return std::unique_ptr<Synthesizer>(std::move(made));

@@ -19,8 +19,8 @@ struct SurfaceBench {
     Memory memory;
     KeyframeSource source{course,
                           RebuiltSynthesizer::start(
-                              [](const sea::RealizationPtr& sea,
-                                 std::uint32_t epoch) -> Result<std::unique_ptr<Synthesizer>> {
+                              [](const sea::RealizationPtr& sea, std::uint32_t epoch,
+                                 server::Making) -> Result<std::unique_ptr<Synthesizer>> {
                                   auto made = std::make_unique<NativeSynthesizer>(1);
                                   SEAWAY_TRY(made->set_sea(sea, epoch));
                                   return std::unique_ptr<Synthesizer>(std::move(made));
