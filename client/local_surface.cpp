@@ -90,7 +90,10 @@ void add_codec(sea::CascadeLoss& loss, const KeyframePair& pair) {
     add_rounding(loss.displacement, pair, Field::displacement_x, Field::displacement_x_rate);
     add_rounding(loss.displacement, pair, Field::displacement_y, Field::displacement_y_rate);
     const sea::CodedNoise &first = pair.before->noise(), &then = pair.after->noise();
-    if (first.at_m > 0 && then.between_m > 0 && then.before_us == pair.before->keyframe().time_us) {
+    // By its number: of its time there may be another one, of a stream that was coded otherwise; by its time, as well: of another server
+    // that number is another's.
+    if (first.at_m > 0 && then.between_m > 0 && then.before == first.number &&
+        then.before_us == pair.before->keyframe().time_us) {
         loss.height.value_m = std::max(first.at_m, then.at_m);
         loss.height.between_m = then.between_m;
         loss.height.coded_relief = 0;

@@ -25,7 +25,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
     if (!instance)
         return instance.error();
     made->instance_ = std::move(*instance);
-    SEAWAY_TRY(made->pick(options.pick));
+    SEAWAY_TRY(made->pick(options));
     if (options.staged)
         made->unified_memory_ = false;
     if (Result<void> created = made->create_device(options); !created)
@@ -36,14 +36,14 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
     return made;
 }
 
-Result<void> Device::pick(const std::string& wish) {
+Result<void> Device::pick(const DeviceOptions& options) {
     Result<std::vector<VkPhysicalDevice>> physical = instance_->physical_devices();
     if (!physical)
         return physical.error();
     std::vector<DeviceInfo> infos;
     for (VkPhysicalDevice device : *physical)
         infos.push_back(describe(device, static_cast<int>(infos.size())));
-    const Result<int> index = pick_device(infos, wish);
+    const Result<int> index = pick_device(infos, options.pick, options.draws);
     if (!index)
         return index.error();
     physical_ = (*physical)[static_cast<std::size_t>(*index)];

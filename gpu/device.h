@@ -27,6 +27,7 @@ class Commands;
 
 struct DeviceOptions {
     std::string pick = "auto"; ///< see pick_device()
+    bool draws = false;        ///< one that can draw is wanted
     bool validation = false;   ///< Khronos validation layer; for tests
     bool staged = false;       ///< copy as if the CPU could not see device memory; for tests
     std::vector<std::string> instance_extensions; ///< of a window system
@@ -86,7 +87,7 @@ class Device {
 
   private:
     Device() = default;
-    Result<void> pick(const std::string& wish);
+    Result<void> pick(const DeviceOptions& options);
     Result<void> create_device(const DeviceOptions& options);
     /// What was submitted to one queue, in order: tickets are its values. Those of two queues end in any order, so that
     /// each has its own.

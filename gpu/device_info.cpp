@@ -138,14 +138,18 @@ Result<std::vector<DeviceInfo>> list_devices() {
     return devices;
 }
 
-Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wish) {
+Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wish, bool draws) {
+    const auto why_not = [draws](const DeviceInfo& device) -> std::string {
+        return device.is_usable() && draws && !device.graphics ? "it cannot draw" : device.unusable;
+    };
     if (wish == "auto") {
         const DeviceInfo* best = nullptr;
         for (const DeviceInfo& device : devices)
-            if (device.is_usable() && (!best || rank(device.type) > rank(best->type)))
+            if (why_not(device).empty() && (!best || rank(device.type) > rank(best->type)))
                 best = &device;
         if (!best)
-            return Error{"no usable Vulkan device; there are: " + names_of(devices) +
+            return Error{std::string("no usable Vulkan device") + (draws ? " that can draw" : "") +
+                         "; there are: " + names_of(devices) +
                          " (mesa-vulkan-drivers has one that needs no GPU)"};
         return best->index;
     }
@@ -157,8 +161,8 @@ Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wi
                                      : lower(device.name).find(lower(wish)) != std::string::npos;
         if (!named || wish.empty())
             continue;
-        if (!device.is_usable())
-            return Error{"Vulkan device " + device.name + " cannot be used: " + device.unusable};
+        if (const std::string why = why_not(device); !why.empty())
+            return Error{"Vulkan device " + device.name + " cannot be used: " + why};
         return device.index;
     }
     return Error{"no Vulkan device \"" + std::string(wish) + "\"; there are: " + names_of(devices)};

@@ -46,7 +46,8 @@ pick_transfer_family(std::span<const VkQueueFamilyProperties> families);
 std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical);
 
 /// `wish`: "auto" (discrete, integrated, virtual, then CPU), an index, or part of a name, case
-/// ignored. Returns the index; the error lists what there is.
-Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wish);
+/// ignored; `draws`: one that can draw. Returns the index; the error lists what there is.
+Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wish,
+                        bool draws = false);
 
 } // namespace seaway::gpu

@@ -202,7 +202,8 @@ int draw_files(const ViewOptions& options, const WithSource& with_source) {
     const Result<CameraPath> path = camera_path(options);
     if (!path)
         return fail(ViewExit::usage, path.error());
-    Result<std::unique_ptr<gpu::Device>> made = gpu::Device::create({.pick = options.device});
+    Result<std::unique_ptr<gpu::Device>> made =
+        gpu::Device::create({.pick = options.device, .draws = true});
     if (!made)
         return fail(ViewExit::no_device, made.error());
     const std::shared_ptr<gpu::Device> device = std::move(*made);

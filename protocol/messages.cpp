@@ -256,9 +256,9 @@ sea::CoarserLoss loss_of(const wire::Coarser* loss) {
             static_cast<double>(loss->strain())};
 }
 
-sea::CodedNoise noise_of(const wire::Noise* told) {
-    return told ? sea::CodedNoise{told->before_us(), told->at_m(), told->between_m()}
-                : sea::CodedNoise{};
+sea::CodedNoise noise_of(const wire::Noise* n, std::uint64_t number) {
+    return n ? sea::CodedNoise{number, n->before(), n->before_us(), n->at_m(), n->between_m()}
+             : sea::CodedNoise{};
 }
 
 } // namespace
@@ -266,7 +266,8 @@ sea::CodedNoise noise_of(const wire::Noise* told) {
 Bytes tile(const TileHeader& header, std::span<const std::uint8_t> payload) {
     FlatBufferBuilder built = builder(192 + payload.size());
     const wire::Coarser coarser = wire_of(header.coarser);
-    const wire::Noise noise(header.noise.before_us, bound_to_float(header.noise.at_m),
+    const wire::Noise noise(header.noise.before, header.noise.before_us,
+                            bound_to_float(header.noise.at_m),
                             bound_to_float(header.noise.between_m));
     const auto made = wire::CreateTile(
         built, header.keyframe, header.epoch, static_cast<std::uint8_t>(header.cascade),
@@ -298,7 +299,7 @@ TileHeader header(const wire::Tile& tile) {
             .follows = sea::FieldSet::from_bits(tile.follows()),
             .coarser = loss_of(tile.coarser()),
             .base = tile.base().value_or(0),
-            .noise = noise_of(tile.noise())};
+            .noise = noise_of(tile.noise(), tile.keyframe())};
 }
 
 Bytes query_reply(std::uint32_t request_id, std::uint32_t epoch,

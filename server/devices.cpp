@@ -21,27 +21,34 @@ Result<std::unique_ptr<Synthesizer>> make(const DeviceChoice& choice, bool valid
 
 Result<std::unique_ptr<Synthesizer>> make_best(DeviceChoice choice, bool validation,
                                                const sea::RealizationPtr& sea, std::uint32_t epoch,
-                                               Making making) {
+                                               Making making, bool& had_gpu) {
+    if (had_gpu && !choice.vulkan && making == Making::the_same)
+        return Error{"the GPU is away: " + choice.why};
+    if (choice.vulkan && making == Making::another)
+        choice = {{}, "the GPU fails at its work"};
     Result<std::unique_ptr<Synthesizer>> made = make(choice, validation, sea, epoch);
     // A GPU that was lost, or is out of memory, is worth another try instead, while there are any.
     if (!made && choice.vulkan &&
-        (making == Making::what_there_is || made.error().is(DeviceError::cannot_do_this_sea))) {
+        (making != Making::the_same || made.error().is(DeviceError::cannot_do_this_sea))) {
         choice = {{}, made.error().message};
         made = make(choice, validation, sea, epoch);
     }
-    if (made)
+    if (made) {
+        had_gpu = choice.vulkan.has_value();
         spdlog::info("device=auto takes=\"{}\" why=\"{}\"", (*made)->description(), choice.why);
+    }
     return made;
 }
 
 SynthesizerFactory device_factory(const Options& options) {
-    return [options](const sea::RealizationPtr& sea, std::uint32_t epoch,
-                     Making making) -> Result<std::unique_ptr<Synthesizer>> {
-        SEAWAY_TRY_LET(const DeviceChoice choice, choose_device(options.device));
-        if (options.device == auto_device)
-            return make_best(choice, options.validation, sea, epoch, making);
-        return make(choice, options.validation, sea, epoch);
-    };
+    return
+        [options, had_gpu = false](const sea::RealizationPtr& sea, std::uint32_t epoch,
+                                   Making making) mutable -> Result<std::unique_ptr<Synthesizer>> {
+            SEAWAY_TRY_LET(const DeviceChoice choice, choose_device(options.device));
+            if (options.device == auto_device)
+                return make_best(choice, options.validation, sea, epoch, making, had_gpu);
+            return make(choice, options.validation, sea, epoch);
+        };
 }
 
 Result<std::string> device_list() {

@@ -16,10 +16,11 @@ namespace seaway::server {
 SynthesizerFactory device_factory(const Options& options);
 
 /// Where the choice is the server's own: what is chosen, or the native device, where that cannot do this sea (it computes
-/// wrongly or has no kernels of a size), or cannot be made at all and `making` allows another. The log says what is taken, and why.
+/// wrongly or has no kernels of a size), or cannot be made at all and `making` allows another. `had_gpu`: there was one, so that
+/// one that is not there now is away. The log says what is taken, and why.
 Result<std::unique_ptr<Synthesizer>> make_best(DeviceChoice choice, bool validation,
                                                const sea::RealizationPtr& sea, std::uint32_t epoch,
-                                               Making making);
+                                               Making making, bool& had_gpu);
 
 /// One line a device, as `--device list` prints it; an error if there is none.
 Result<std::string> device_list();

@@ -127,9 +127,11 @@ std::vector<std::string> some_differences(const std::string& before, const std::
             lines.push_back(fmt::format("and {} more", all.size() - lines_max));
             break;
         }
-        const std::string line = one.after ? one.path + " = " + *one.after : "no " + one.path;
-        lines.push_back(line.size() > line_bytes_max ? line.substr(0, line_bytes_max) + "..."
-                                                     : line);
+        std::string line = one.after ? fmt::format("{} = {}", one.path, *one.after)
+                                     : fmt::format("no {}", one.path);
+        if (line.size() > line_bytes_max)
+            line.replace(line_bytes_max, std::string::npos, "...");
+        lines.push_back(std::move(line));
     }
     return lines;
 }

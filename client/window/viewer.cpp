@@ -57,6 +57,7 @@ Result<void> Viewer::create(const OpenSea& open_sea, bool validation) {
                                              options_.camera.height));
     SEAWAY_TRY_LET(device_,
                    gpu::Device::create({.pick = options_.device,
+                                        .draws = true,
                                         .validation = validation,
                                         .instance_extensions = window_->instance_extensions(),
                                         .device_extensions = {"VK_KHR_swapchain"}}));

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "base/short_list.h"
 #include "sea/basics/deviations.h"
@@ -103,7 +104,7 @@ struct MapLoss {
         }
     };
     AtTime at(double share, const HermiteWeights& w) const {
-        // Outside it is no bound, but grows; as far out as that it is of the height of the waves.
+        // Outside it is no bound, but grows in time; as far out as that it is of the height of the waves.
         const double time = time_m * between_samples(std::clamp(share, -2.0, 3.0));
         double coded = value_m * value_m * (w.value[0] * w.value[0] + w.value[2] * w.value[2]) +
                        rate_mps * rate_mps * (w.value[1] * w.value[1] + w.value[3] * w.value[3]);
@@ -137,8 +138,10 @@ struct CoarserLoss {
 /// What coding has left of the heights of a keyframe that was predicted, as its server found: rms over the map, m. It runs along
 /// with the waves, so that it is of one pair of keyframes and of no other.
 struct CodedNoise {
-    TimeUs before_us = 0; ///< of the keyframe that it followed
-    double at_m = 0;      ///< at its own time; 0: nobody says
+    std::uint64_t number = 0; ///< its own, among all keyframes of its server
+    std::uint64_t before = 0; ///< that of the keyframe that it followed
+    TimeUs before_us = 0;     ///< and its time
+    double at_m = 0;          ///< at its own time; 0: nobody says
     double between_m =
         0; ///< half way between the two, or what MapLoss says elsewhere were too little; 0: it followed none
 

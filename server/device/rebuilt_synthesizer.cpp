@@ -34,21 +34,46 @@ Result<void> RebuiltSynthesizer::set_sea(sea::RealizationPtr sea, std::uint32_t 
     if (warn_)
         warn_(fmt::format("device failed on a new sea, it will be rebuilt: {}",
                           taken.error().message));
-    before_ = counters();
-    device_.reset(); // as above
+    let_go(); // as above
     return {};
 }
 
-Result<void> RebuiltSynthesizer::rebuild(Making making) {
+void RebuiltSynthesizer::let_go() {
     before_ = counters();
     device_.reset();
+}
+
+Result<void> RebuiltSynthesizer::rebuild(Making making) {
+    let_go();
     SEAWAY_TRY_LET(device_, factory_(sea_, epoch_, making));
     return {};
+}
+
+Result<void> RebuiltSynthesizer::try_again(int tries, bool failed_at_work) {
+    ++rebuilds_;
+    let_go(); // what it has is free meanwhile
+    const int at = std::min(tries, device_rebuilds_max - 1);
+    std::this_thread::sleep_for(device_rebuild_pauses[static_cast<std::size_t>(at)]);
+    const bool last = at == device_rebuilds_max - 1;
+    return rebuild(!last            ? Making::the_same
+                   : failed_at_work ? Making::another
+                                    : Making::what_there_is);
+}
+
+void RebuiltSynthesizer::warn_of_memory(const Error& why) {
+    ++refused_;
+    const auto now = std::chrono::steady_clock::now();
+    if (!warn_ || (warned_of_memory_ && now - *warned_of_memory_ < std::chrono::minutes(1)))
+        return;
+    warn_(fmt::format("refused for want of memory, {} times: {}", refused_, why.message));
+    warned_of_memory_ = now;
+    refused_ = 0;
 }
 
 template <class T, class Work>
 Result<T> RebuiltSynthesizer::attempt(bool on_foam, const Work& work) {
     Error last{"there is no device"};
+    bool failed_at_work = foam_losses_ > 0;
     for (int attempt = 0;; ++attempt) {
         if (device_ && attempt > 0 && on_foam) {
             // Who starts foam anew and fails each time has a device that cannot do it.
@@ -59,25 +84,20 @@ Result<T> RebuiltSynthesizer::attempt(bool on_foam, const Work& work) {
         if (device_) {
             Result<T> made = work(*device_);
             const bool lacks_memory = !made && made.error().is(DeviceError::out_of_memory);
-            if (warn_ && lacks_memory && !lacks_memory_)
-                warn_("refused for want of memory: " + made.error().message);
-            lacks_memory_ = lacks_memory;
+            if (lacks_memory)
+                warn_of_memory(made.error());
             if (made || lacks_memory)
                 return made; // another device would have no more of it
             last = made.error();
+            failed_at_work = failed_at_work || attempt > 0;
         }
         if (attempt == device_rebuilds_max)
             return last;
         if (warn_)
             warn_(fmt::format("device failed, rebuilding it ({} of {}): {}", attempt + 1,
                               device_rebuilds_max, last.message));
-        ++rebuilds_;
-        device_.reset(); // what it has is free meanwhile
-        std::this_thread::sleep_for(device_rebuild_pauses[static_cast<std::size_t>(attempt)]);
-        const bool no_other_follows = attempt + 1 == device_rebuilds_max;
-        if (const Result<void> rebuilt =
-                rebuild(no_other_follows ? Making::what_there_is : Making::the_same);
-            !rebuilt)
+        const int tries = attempt + (on_foam ? foam_losses_ : 0);
+        if (const Result<void> rebuilt = try_again(tries, failed_at_work); !rebuilt)
             last = rebuilt.error();
     }
 }

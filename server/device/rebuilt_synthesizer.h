@@ -7,6 +7,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/device/synthesizer.h"
@@ -16,7 +17,8 @@ namespace seaway::server {
 /// Which device a factory is to make.
 enum class Making {
     the_same,      ///< as before: what it lacks may be there again later
-    what_there_is, ///< any other instead, where the choice is the server's: at the start, and when no further try follows
+    what_there_is, ///< any other where it cannot be made and the choice is the server's: at the start, and when no further try follows
+    another,       ///< likewise, of one that can be made and fails at its work
 };
 
 /// Makes a device that holds the sea already.
@@ -32,7 +34,7 @@ class RebuiltSynthesizer final : public Synthesizer {
   public:
     using Warn = std::function<void(const std::string& why)>;
 
-    /// Makes the first device. `warn` is told of each that fails, and once of memory that is lacking.
+    /// Makes the first device. `warn` is told of each that fails, and once a minute of memory that is lacking.
     static Result<std::unique_ptr<RebuiltSynthesizer>>
     start(SynthesizerFactory factory, sea::RealizationPtr sea, std::uint32_t epoch, Warn warn);
 
@@ -53,6 +55,10 @@ class RebuiltSynthesizer final : public Synthesizer {
     RebuiltSynthesizer(SynthesizerFactory factory, Warn warn)
         : factory_(std::move(factory)), warn_(std::move(warn)) {}
     Result<void> rebuild(Making making);
+    /// After a pause, the longer the more tries there were in a row; `failed_at_work`: one that had been made meanwhile.
+    Result<void> try_again(int tries, bool failed_at_work);
+    void let_go();
+    void warn_of_memory(const Error& why);
     /// Work on a device, or on the next one; `on_foam`: there are maps in it that only this one has.
     template <class T, class Work>
     Result<T> attempt(bool on_foam, const Work& work);
@@ -64,8 +70,9 @@ class RebuiltSynthesizer final : public Synthesizer {
     std::unique_ptr<Synthesizer> device_; ///< null after a rebuild that failed
     SynthesisCounters before_;            ///< of devices that are gone
     std::uint64_t rebuilds_ = 0;
-    bool lacks_memory_ = false; ///< for what was asked for last
-    int foam_losses_ = 0;       ///< in a row, without foam that was made in between
+    std::uint64_t refused_ = 0; ///< for want of memory, since that was warned of
+    std::optional<std::chrono::steady_clock::time_point> warned_of_memory_;
+    int foam_losses_ = 0; ///< in a row, without foam that was made in between
 };
 
 } // namespace seaway::server

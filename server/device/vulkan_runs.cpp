@@ -39,6 +39,9 @@ Result<bool> VulkanBatch::can_be_followed() {
     ring_lacks_memory_ = !made && gpu::is_out_of_memory(made.error());
     if (!made && !ring_lacks_memory_)
         return made.error();
+    for (Slot& other : ring_) // nobody asks for those that have been made
+        if (ring_lacks_memory_ && !other.under_way)
+            other = {};
     return !ring_lacks_memory_;
 }
 

@@ -211,8 +211,7 @@ std::optional<Encoder::Step> Encoder::step_to(const sea::Keyframe& sent, Quality
     if (base->time_us >= sent.time_us)
         return std::nullopt;
     step.from = base->number;
-    step.from_us = base->time_us;
-    step.noise_before = &base->noise;
+    step.before = {&base->noise, base->number, base->time_us};
     for (Step::Map* map : {&step.height, &step.rate})
         map->expected.resize(sent.plane_size());
     const auto start = std::chrono::steady_clock::now();
@@ -226,7 +225,7 @@ sea::CodedNoise Encoder::lost(const sea::Keyframe& sent, Step& step) {
     const auto start = std::chrono::steady_clock::now();
     step.noise = noise_of(sent, step.height.decoded, step.rate.decoded,
                           step.regridded ? &regrid(sent.size, sent.size) : nullptr);
-    const sea::CodedNoise told = told_of(step.noise, sent, step.noise_before, step.from_us);
+    const sea::CodedNoise told = told_of(step.noise, sent.time_us, step.before);
     count({.seconds = seconds_since(start)});
     return told;
 }

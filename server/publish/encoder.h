@@ -135,10 +135,9 @@ class Encoder {
     /// From one keyframe of a cascade to the next.
     struct Step {
         std::uint64_t from = 0; ///< what it is predicted from; 0: nothing
-        sea::TimeUs from_us = 0;
-        bool regridded = false;                       ///< receivers bring it to another grid
-        const PredictedNoise* noise_before = nullptr; ///< of that, in `bases_`; null: of none
-        PredictedNoise noise;                         ///< once both are decoded
+        bool regridded = false; ///< receivers bring it to another grid
+        NoiseBefore before;     ///< of that, in `bases_`
+        PredictedNoise noise;   ///< once both are decoded
         struct Map {
             std::vector<float> expected; ///< [y][x]; none: nothing is
             std::vector<float> decoded;  ///< as receivers will have it

@@ -63,28 +63,32 @@ double between_m2(const PredictedNoise& a, const PredictedNoise& b, sea::TimeUs 
 PredictedNoise noise_of(const sea::Keyframe& sent, std::span<const float> height_decoded,
                         std::span<const float> rate_decoded, const sea::Regrid* same) {
     PredictedNoise all{off(height_decoded, sent.plane(Field::height)),
-                       off(rate_decoded, sent.plane(Field::height_rate))};
+                       off(rate_decoded, sent.plane(Field::height_rate)),
+                       rounded_before(sent, Field::height),
+                       rounded_before(sent, Field::height_rate)};
     if (same == nullptr)
         return all;
     PredictedNoise left{std::vector<float>(sent.plane_size()),
-                        std::vector<float>(sent.plane_size())};
+                        std::vector<float>(sent.plane_size()), all.rounded_m, all.rounded_mps};
     same->maps(all.height_m, all.rate_mps, left.height_m, left.rate_mps);
     return left;
 }
 
-sea::CodedNoise told_of(const PredictedNoise& noise, const sea::Keyframe& sent,
-                        const PredictedNoise* before, sea::TimeUs before_us) {
-    sea::MapLoss rounded;
-    rounded.value_m = rounded_before(sent, Field::height);
-    rounded.rate_mps = rounded_before(sent, Field::height_rate);
-    const double rounded_m2 = sea::square(rounded.value_m);
-    const double at_m2 = mean_square(noise.height_m) + rounded_m2;
-    sea::CodedNoise told{.before_us = before_us, .at_m = std::sqrt(at_m2)};
-    if (before != nullptr && before->height_m.size() == noise.height_m.size()) {
-        const double larger_m2 = std::max(at_m2, mean_square(before->height_m) + rounded_m2);
-        told.between_m =
-            std::sqrt(between_m2(*before, noise, sent.time_us - before_us, larger_m2, rounded));
-    }
+sea::CodedNoise told_of(const PredictedNoise& noise, sea::TimeUs time_us,
+                        const NoiseBefore& before) {
+    const double at_m2 = mean_square(noise.height_m) + sea::square(noise.rounded_m);
+    sea::CodedNoise told{.at_m = std::sqrt(at_m2)};
+    if (before.noise == nullptr || before.noise->height_m.size() != noise.height_m.size())
+        return told;
+    sea::MapLoss rounded; // the larger of both
+    rounded.value_m = std::max(noise.rounded_m, before.noise->rounded_m);
+    rounded.rate_mps = std::max(noise.rounded_mps, before.noise->rounded_mps);
+    const double before_m2 =
+        mean_square(before.noise->height_m) + sea::square(before.noise->rounded_m);
+    told.before = before.number;
+    told.before_us = before.time_us;
+    told.between_m = std::sqrt(between_m2(*before.noise, noise, time_us - before.time_us,
+                                          std::max(at_m2, before_m2), rounded));
     return told;
 }
 

@@ -5,6 +5,7 @@
 // Pure; 0.2 ms for two maps of 81 x 81.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,9 @@ namespace seaway::server {
 struct PredictedNoise {
     std::vector<float> height_m;
     std::vector<float> rate_mps;
+    /// Rms of what the device had rounded before, which is not in those.
+    double rounded_m = 0;
+    double rounded_mps = 0;
 };
 
 /// Of maps that come to these. `same`: of their grid to itself, where receivers bring them to another one, which leaves of it what
@@ -25,9 +29,15 @@ struct PredictedNoise {
 PredictedNoise noise_of(const sea::Keyframe& sent, std::span<const float> height_decoded,
                         std::span<const float> rate_decoded, const sea::Regrid* same);
 
-/// What is told of it. `before`: null, or that of the keyframe at before_us, which this one follows. What maps of `sent` were
-/// rounded by already is in it.
-sea::CodedNoise told_of(const PredictedNoise& noise, const sea::Keyframe& sent,
-                        const PredictedNoise* before, sea::TimeUs before_us);
+/// The keyframe that one follows.
+struct NoiseBefore {
+    const PredictedNoise* noise = nullptr; ///< null: it follows none
+    std::uint64_t number = 0;
+    sea::TimeUs time_us = 0;
+};
+
+/// What is told of it, of a keyframe at `time_us`.
+sea::CodedNoise told_of(const PredictedNoise& noise, sea::TimeUs time_us,
+                        const NoiseBefore& before);
 
 } // namespace seaway::server

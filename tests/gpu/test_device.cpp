@@ -42,6 +42,18 @@ TEST(PickDevice, auto_takes_the_discrete_device_and_never_an_unusable_one) {
     EXPECT_THAT(pick_device(devices, "2").error().message, HasSubstr("1.3 needed"));
 }
 
+// Naive: a GPU for computing alone hides the one beside it that could have drawn.
+TEST(PickDevice, who_draws_gets_a_device_that_can) {
+    std::vector<DeviceInfo> devices = three_devices;
+    devices[0].graphics = devices[1].graphics = true;
+    EXPECT_EQ(*pick_device(devices, "auto"), 2);
+    EXPECT_EQ(*pick_device(devices, "auto", true), 1);
+    EXPECT_THAT(pick_device(devices, "L4", true).error().message, HasSubstr("it cannot draw"));
+    devices[0].graphics = devices[1].graphics = false;
+    EXPECT_THAT(pick_device(devices, "auto", true).error().message,
+                HasSubstr("no usable Vulkan device that can draw; there are: 0 = lavapipe"));
+}
+
 TEST(PickDevice, of_equals_the_first_is_taken) {
     std::vector<DeviceInfo> devices = three_devices;
     devices.push_back(named(3, "NVIDIA L4", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU));

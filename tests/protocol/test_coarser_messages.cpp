@@ -51,11 +51,13 @@ TEST(CoarserMessages, what_rounding_left_travels_as_a_bound_and_nothing_of_it_wh
     const std::vector<std::uint8_t> payload{1};
     TileHeader header = some_tile();
     EXPECT_EQ(read(reader, tile(header, payload))->body_as_Tile()->noise(), nullptr);
-    header.noise = {-640'000, 0.1, 0.3};
+    header.noise = {header.keyframe, 76, -640'000, 0.1, 0.3};
     const Bytes told = tile(header, payload);
     const wire::Tile& back = *read(reader, told)->body_as_Tile();
     EXPECT_TRUE(check(back));
     const sea::CodedNoise noise = protocol::header(back).noise;
+    EXPECT_EQ(noise.number, header.keyframe);
+    EXPECT_EQ(noise.before, 76u);
     EXPECT_EQ(noise.before_us, -640'000);
     EXPECT_GE(noise.at_m, 0.1);
     EXPECT_GE(noise.between_m, 0.3);
@@ -65,10 +67,11 @@ TEST(CoarserMessages, what_rounding_left_travels_as_a_bound_and_nothing_of_it_wh
         const Result<void> fine = check(*read(reader, tile(header, payload)));
         return fine ? std::string() : fine.error().message;
     };
-    EXPECT_NE(why({0, 1e7, 0}).find("noise.at_m"), std::string::npos);
-    EXPECT_NE(why({0, 1, -1}).find("noise.between_m"), std::string::npos);
-    EXPECT_NE(why({0, 1, std::nan("")}).find("noise.between_m"), std::string::npos);
-    EXPECT_NE(why({limits::time_us_max + 1, 1, 1}).find("noise.before_us"), std::string::npos);
+    EXPECT_NE(why({1, 0, 0, 1e7, 0}).find("noise.at_m"), std::string::npos);
+    EXPECT_NE(why({1, 0, 0, 1, -1}).find("noise.between_m"), std::string::npos);
+    EXPECT_NE(why({1, 0, 0, 1, std::nan("")}).find("noise.between_m"), std::string::npos);
+    EXPECT_NE(why({1, 0, limits::time_us_max + 1, 1, 1}).find("noise.before_us"),
+              std::string::npos);
 }
 
 TEST(CoarserMessages, limits_out_of_range_are_errors_that_name_the_field) {

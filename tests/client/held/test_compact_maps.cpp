@@ -240,8 +240,8 @@ TEST(LocalAnswer, what_a_server_found_that_rounding_left_counts_between_those_tw
         EXPECT_NEAR(loss.displacement.value_m, 0.003 / std::sqrt(3.0), 1e-9) << "as ever";
         return loss.height;
     };
-    const auto first = held(0, {.at_m = 1e-3});
-    const auto second = held(100'000, {0, 2e-3, 0.5e-3});
+    const auto first = held(0, {.number = 7, .at_m = 1e-3});
+    const auto second = held(100'000, {9, 7, 0, 2e-3, 0.5e-3});
     const sea::MapLoss told = height(first, second);
     EXPECT_EQ(told.coded_relief, 0) << "waves have no relief between grid points";
     const auto at = [](const sea::MapLoss& loss, double share) {
@@ -255,10 +255,12 @@ TEST(LocalAnswer, what_a_server_found_that_rounding_left_counts_between_those_tw
     EXPECT_DOUBLE_EQ(told.largest_variance_m2(0.1), 4e-6);
     EXPECT_DOUBLE_EQ(at(told, 1.25), 2e-3) << "beyond them nothing is a bound";
     const sea::MapLoss even = height(held(0, {}), held(100'000, {}));
-    for (const auto& [before, after] : {std::pair(held(-100'000, {.at_m = 1e-3}), second),
-                                        {held(0, {}), second},
-                                        {first, held(100'000, {.before_us = 0, .at_m = 2e-3})},
-                                        {second, second}}) {
+    for (const auto& [before, after] :
+         {std::pair(held(-100'000, {.number = 7, .at_m = 1e-3}), second),
+          {held(0, {}), second},
+          {held(0, {.number = 8, .at_m = 1e-3}), second}, // of that time, coded otherwise
+          {first, held(100'000, {.number = 9, .before = 7, .at_m = 2e-3})},
+          {second, second}}) {
         const sea::MapLoss loss = height(before, after);
         EXPECT_DOUBLE_EQ(at(loss, 0.5), at(even, 0.5));
         EXPECT_DOUBLE_EQ(loss.largest_variance_m2(0.1), even.largest_variance_m2(0.1));

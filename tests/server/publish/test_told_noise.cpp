@@ -50,6 +50,7 @@ TEST(ToldNoise, is_what_rounding_left_of_heights_and_between_them_and_the_keyfra
         if (n == 0) {
             EXPECT_EQ(now->noise().between_m, 0.0) << "it follows none";
         } else {
+            EXPECT_EQ(now->noise().before, before->noise().number);
             EXPECT_EQ(now->noise().before_us, before->keyframe().time_us);
             sea::CascadeLoss loss;
             client::add_codec(loss, {before, now});
@@ -63,30 +64,26 @@ TEST(ToldNoise, is_what_rounding_left_of_heights_and_between_them_and_the_keyfra
     }
 }
 
-// What the device rounded is off before it is coded.
-TEST(ToldNoise, has_in_it_what_samples_were_rounded_by_before) {
-    const auto told = [](float step_m, float step_mps) {
+// What the device rounded is off before it is coded: of both keyframes, or of the earlier one alone where the later did not fit.
+TEST(ToldNoise, has_in_it_what_samples_of_either_keyframe_were_rounded_by_before) {
+    const auto told = [](bool earlier, bool later) {
         Encoder encoder;
         client::TileAssembly assembly;
         client::HeldKeyframePtr last;
         for (int n = 0; n < 3; ++n) {
             sea::Keyframe keyframe = running_keyframe(n);
-            if (step_m > 0)
-                keyframe.rounded = {{Field::height, step_m, step_m / 2, {}},
-                                    {Field::height_rate, step_mps, step_mps / 2, {}}};
+            if (n < 2 ? earlier : later)
+                keyframe.rounded = {{Field::height, 1.8e-3f, 0.9e-3f, {}},
+                                    {Field::height_rate, 7.2e-3f, 3.6e-3f, {}}};
             last = take(assembly, messages_of(*encode(encoder, keyframe), n > 0));
         }
         return last->noise();
     };
-    // Half of the bound is left to code by. Of independent values both count half way, and eighths of rates.
-    const sea::CodedNoise plain = told(0, 0), rounded = told(1e-3f, 4e-3f);
-    const double value_m2 = 0.25e-6 / 3, rate_m2ps2 = 4e-6 / 3;
-    const double interval_s =
-        sea::seconds_from_us(running_keyframe(1).time_us - running_keyframe(0).time_us);
-    EXPECT_GT(rounded.at_m, std::sqrt(value_m2));
-    EXPECT_LT(std::pow(rounded.at_m, 2), value_m2 + std::pow(plain.at_m, 2));
-    EXPECT_GT(std::pow(rounded.between_m, 2),
-              value_m2 / 2 + rate_m2ps2 * interval_s * interval_s / 32);
+    // A tenth of the bound is left to code by. Half way both count a quarter, in the square; of one alone it is stated for both.
+    const double rounded_m2 = 0.81e-6 / 3;
+    EXPECT_GT(std::pow(told(true, true).at_m, 2), rounded_m2);
+    EXPECT_GT(std::pow(told(true, true).between_m, 2), rounded_m2 / 2);
+    EXPECT_GT(std::pow(told(true, false).between_m, 2), rounded_m2 / 2);
 }
 
 } // namespace
