@@ -266,9 +266,9 @@ TEST(Simulation, questions_that_wait_when_it_ends_are_refused_with_the_reason) {
             },
             someone);
         entered.get_future().wait();
-        for (int i = 0; i < 3; ++i) // many slices: still under way when the end comes
-            bench.simulation->answer(std::vector<sea::QueryPoint>(1 << 16), true, note, someone);
         *bench.failures = 1000;
+        for (int i = 1; i <= 3; ++i) // of times whose keyframes are not there
+            bench.simulation->answer({{1.0, 2.0, i * 3'600'000'000}}, false, note, someone);
         bench.simulation->answer({{1.0, 2.0, 0}}, false, note, someone);
         gate.set_value();
         bench.failed.get_future().wait();
