@@ -52,6 +52,7 @@ bool covers(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us
 
 /// What the codec bounds of these keyframes add to the error, beside the state's interpolation.
 sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePair> pairs);
+
 /// What coding costs heights and displacements of a pair, beside what its sea says of the cascade.
 void add_codec(sea::CascadeLoss& loss, const KeyframePair& pair);
 

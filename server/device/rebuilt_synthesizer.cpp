@@ -73,7 +73,7 @@ void RebuiltSynthesizer::warn_of_memory(const Error& why) {
 template <class T, class Work>
 Result<T> RebuiltSynthesizer::attempt(bool on_foam, const Work& work) {
     Error last{"there is no device"};
-    bool failed_at_work = foam_losses_ > 0;
+    bool failed_at_work = on_foam && foam_losses_ > 0;
     for (int attempt = 0;; ++attempt) {
         if (device_ && attempt > 0 && on_foam) {
             // Who starts foam anew and fails each time has a device that cannot do it.

@@ -222,12 +222,9 @@ std::optional<Encoder::Step> Encoder::step_to(const sea::Keyframe& sent, Quality
 }
 
 sea::CodedNoise Encoder::lost(const sea::Keyframe& sent, Step& step) {
-    const auto start = std::chrono::steady_clock::now();
     step.noise = noise_of(sent, step.height.decoded, step.rate.decoded,
                           step.regridded ? &regrid(sent.size, sent.size) : nullptr);
-    const sea::CodedNoise told = told_of(step.noise, sent.time_us, step.before);
-    count({.seconds = seconds_since(start)});
-    return told;
+    return told_of(step.noise, sent.time_us, step.before);
 }
 
 void Encoder::keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& as,
