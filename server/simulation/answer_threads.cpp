@@ -5,6 +5,7 @@
 #include <new>
 
 #include "base/processors.h"
+#include "base/stand_back.h"
 #include "server/simulation/slice.h"
 
 namespace seaway::server {
@@ -30,11 +31,14 @@ void AnswerThreads::join() {
 void AnswerThreads::work(Heartbeat& heartbeat) {
     while (std::optional<Question> question = questions_.take_to_answer()) {
         heartbeat.works();
+        const bool prompt = question->prompt;
         try {
             work_on_slice(questions_, *std::move(question));
         } catch (const std::bad_alloc&) { // the question is lost
         }
         heartbeat.rests();
+        if (!prompt)
+            stand_back();
     }
 }
 

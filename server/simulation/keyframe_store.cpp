@@ -84,7 +84,8 @@ std::size_t KeyframeStore::trim() {
     return before - counters_.bytes;
 }
 
-sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
+sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe,
+                                        sea::Pauses::Pause pause) {
     const Key key = key_of(*keyframe);
     {
         const std::scoped_lock lock(mutex_);
@@ -94,7 +95,7 @@ sea::SplineMapPtr KeyframeStore::spline(const sea::KeyframePtr& keyframe) {
             return found->second.spline;
         }
     }
-    auto spline = std::make_shared<const sea::SplineMap>(*keyframe);
+    auto spline = std::make_shared<const sea::SplineMap>(*keyframe, pause);
     const std::scoped_lock lock(mutex_);
     const auto found = entries_.find(key);
     if (found != entries_.end() && found->second.keyframe == keyframe && !found->second.spline) {

@@ -49,8 +49,8 @@ class KeyframeStore {
     /// Lets go of what has not been used since the call before the last one; returns its bytes.
     std::size_t trim();
 
-    /// The keyframe's spline; kept beside it for as long as the keyframe is held.
-    sea::SplineMapPtr spline(const sea::KeyframePtr& keyframe);
+    /// The keyframe's spline; kept beside it for as long as the keyframe is held. `pause` as in sea::Pauses, with nothing locked.
+    sea::SplineMapPtr spline(const sea::KeyframePtr& keyframe, sea::Pauses::Pause pause = nullptr);
 
     StoreCounters counters() const;
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/stand_back.h"
 #include "server/simulation/memory_needs.h"
 #include "server/simulation/schedule.h"
 
@@ -127,7 +128,8 @@ bool Surfaces::make_splines(SurfaceJob& job, Make make) {
             if (job.awaits_spline_)
                 return false;
         }
-        job.splines_.push_back(store.spline(next));
+        job.splines_.push_back(
+            store.spline(next, job.use_ == SurfaceUse::batch ? stand_back : nullptr));
     }
     return true;
 }

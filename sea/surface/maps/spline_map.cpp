@@ -75,7 +75,7 @@ float* SplineMap::texel(int x, int y) {
            (static_cast<std::size_t>(y + 1) * pitch + static_cast<std::size_t>(x + 1)) * channels;
 }
 
-SplineMap::SplineMap(const Keyframe& keyframe)
+SplineMap::SplineMap(const Keyframe& keyframe, Pauses::Pause pause)
     : size_(keyframe.size), length_m_(keyframe.length_m), time_us_(keyframe.time_us),
       epoch_(keyframe.epoch),
       moves_sideways_(keyframe.fields.contains(surface_fields) && !keyframe.stylised) {
@@ -90,6 +90,7 @@ SplineMap::SplineMap(const Keyframe& keyframe)
                     ? keyframe.plane(channel_fields[f]).data()
                     : none.data();
     static_assert(channel_of == std::array{0, 1, 2, 4, 5, 6});
+    Pauses pauses(pause);
     for (int y = 0; y < size_;
          ++y) { // all channels of a point at once: they are half a line of a cache
         float* to = texel(0, y);
@@ -100,10 +101,20 @@ SplineMap::SplineMap(const Keyframe& keyframe)
             std::memcpy(to, &values, sizeof values);
             std::memcpy(to + spline_channel::rate, &rates, sizeof rates);
         }
+        pauses.after(static_cast<std::size_t>(size_));
     }
-    for (int y = 0; y < size_; ++y)
+    const auto side = static_cast<std::size_t>(size_);
+    for (int y = 0; y < size_; ++y) {
         prefilter(texel(0, y), size_, channels, channels);
-    prefilter(texel(0, 0), size_, pitch * channels, static_cast<std::size_t>(size_) * channels);
+        pauses.after(2 * side);
+    }
+    const auto columns =
+        static_cast<int>(std::clamp(Pauses::between / 2 / side, std::size_t{1}, side));
+    for (int x = 0; x < size_; x += columns) { // as many at once as are done between two pauses
+        const int some = std::min(columns, size_ - x);
+        prefilter(texel(x, 0), size_, pitch * channels, static_cast<std::size_t>(some) * channels);
+        pauses.after(2 * side * static_cast<std::size_t>(some));
+    }
 
     const auto copy = [&](int to_x, int to_y, int from_x, int from_y) {
         std::copy_n(texel(from_x, from_y), channels, texel(to_x, to_y));
@@ -118,7 +129,7 @@ SplineMap::SplineMap(const Keyframe& keyframe)
         copy(x, size_, x, 0);
         copy(x, size_ + 1, x, 1 % size_);
     }
-    windows_.emplace(coefficients_.get(), size_, length_m_);
+    windows_.emplace(coefficients_.get(), size_, length_m_, pauses);
 }
 
 SplineMap::Cell SplineMap::cell(double x_m, double y_m) const {

@@ -19,6 +19,7 @@
 #include "base/aligned_floats.h"
 #include "sea/basics/lagrangian_point.h"
 #include "sea/surface/maps/keyframe.h"
+#include "sea/surface/maps/pauses.h"
 #include "sea/surface/maps/spline_channels.h"
 #include "sea/surface/maps/strain_windows.h"
 
@@ -34,8 +35,8 @@ struct SplineSample {
 
 class SplineMap {
   public:
-    /// The keyframe must hold height and height_rate; displacements that it does not hold are zero.
-    explicit SplineMap(const Keyframe& keyframe);
+    /// The keyframe must hold height and height_rate; displacements that it does not hold are zero. `pause` as in pauses.h.
+    explicit SplineMap(const Keyframe& keyframe, Pauses::Pause pause = nullptr);
 
     TimeUs time_us() const { return time_us_; }
     std::uint32_t epoch() const { return epoch_; }

@@ -213,7 +213,8 @@ void add_displacements(const Row& row, int number, int block, int count,
 }
 
 /// The smallest blocks of a map.
-std::vector<Block> blocks_of(const float* coefficients, int size, int block, float per_m) {
+std::vector<Block> blocks_of(const float* coefficients, int size, int block, float per_m,
+                             Pauses& pauses) {
     const int count = size / block;
     const auto cells = static_cast<std::size_t>(size);
     std::vector<Block> blocks(static_cast<std::size_t>(count * count));
@@ -238,6 +239,7 @@ std::vector<Block> blocks_of(const float* coefficients, int size, int block, flo
             bound(along_y, support, y[r % y.size()]);
         }
         std::swap(south, row);
+        pauses.after(points);
         if (r + 1 < support)
             continue;
         Block* const of_row = &blocks[index(0, (static_cast<int>(r + 1) - support) / block, count)];
@@ -278,11 +280,11 @@ void widen_each(std::vector<Block>& blocks, int count) {
 
 } // namespace
 
-StrainWindows::StrainWindows(const float* coefficients, int size, double length_m)
+StrainWindows::StrainWindows(const float* coefficients, int size, double length_m, Pauses& pauses)
     : size_(size), length_m_(length_m), cells_a_metre_(size / length_m) {
     int block = smallest_block(size);
     std::vector<Block> blocks =
-        blocks_of(coefficients, size, block, static_cast<float>(cells_a_metre_));
+        blocks_of(coefficients, size, block, static_cast<float>(cells_a_metre_), pauses);
     windows_.reserve(bytes_of(size) / sizeof(StrainBounds));
     for (int count = size / block;; count /= 2, block *= 2) {
         // A single block is shifted away: its number is 0 whatever the size.

@@ -13,6 +13,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "sea/surface/maps/pauses.h"
+
 namespace seaway::sea {
 
 /// Bounds of strains and displacements at choppiness 1 over a window of a map, and of their time
@@ -27,7 +29,7 @@ struct alignas(16) StrainBounds {
 class StrainWindows {
   public:
     /// Of the coefficients of a SplineMap, as SplineMap::coefficients() lays them out.
-    StrainWindows(const float* coefficients, int size, double length_m);
+    StrainWindows(const float* coefficients, int size, double length_m, Pauses& pauses);
 
     /// A cell of the grid: that of all maps of the same size and length.
     struct Cell {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -279,6 +280,39 @@ TEST(Surface, maps_without_displacement_are_a_surface_without_choppiness) {
     const LagrangianPoint p = surface.at(12.0, 5.0, 0);
     EXPECT_EQ(p.displacement_x, 0.0);
     EXPECT_NEAR(p.height, SplineMap(*full).sample(12.0, 5.0).value[0], 1e-6);
+}
+
+int pauses = 0;
+
+// What is filtered between two pauses depends on the size: 384 is no multiple of it.
+TEST(Surface, a_map_that_is_made_with_pauses_is_the_same_and_passes_through_its_grid) {
+    for (const int size : {32, 256, 384}) {
+        Keyframe keyframe{0, 0, 0, size, 100.0, surface_fields};
+        std::mt19937 random(1);
+        std::uniform_real_distribution<float> any(-1, 1);
+        std::vector<float> values(static_cast<std::size_t>(surface_fields.size()) *
+                                  keyframe.plane_size());
+        std::ranges::generate(values, [&] { return any(random); });
+        keyframe.values = std::move(values);
+        const SplineMap at_once(keyframe);
+        pauses = 0;
+        const SplineMap paused(keyframe, [] { ++pauses; });
+        EXPECT_TRUE(std::ranges::equal(paused.coefficients(), at_once.coefficients())) << size;
+        const StrainBounds &one = paused.windows().whole_tile(),
+                           &other = at_once.windows().whole_tile();
+        EXPECT_EQ(std::tie(one.strain_min, one.strain_rate, one.range_m, one.range_rate),
+                  std::tie(other.strain_min, other.strain_rate, other.range_m, other.range_rate));
+        const double d_m = 100.0 / size;
+        for (int i = 0; i < size; ++i) // a diagonal crosses all that is filtered together
+            EXPECT_NEAR(paused.sample(i * d_m, i * d_m).value[spline_channel::height],
+                        keyframe.plane(Field::height)[static_cast<std::size_t>(i) *
+                                                      static_cast<std::size_t>(size + 1)],
+                        3e-6); // rounding of some floats of up to 6
+        // Interleaved, filtered both ways, forth and back, and looked at for windows: six times.
+        const double pieces = 6.0 * size * size / Pauses::between;
+        EXPECT_GE(pauses, std::floor(0.8 * pieces)) << size;
+        EXPECT_LE(pauses, pieces + 1) << size;
+    }
 }
 
 } // namespace
