@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/processors.h"
+#include "base/thread_name.h"
 
 namespace seaway {
 
@@ -36,14 +37,17 @@ int awaited_phase(std::span<const Phase> phases, std::size_t index) {
     return before;
 }
 
-ThreadPool::ThreadPool(int threads) {
+ThreadPool::ThreadPool(int threads, const char* name) {
     SEAWAY_CHECK(threads >= 0, "number of threads");
     if (threads == 0)
         threads = usable_processors();
     workers_.reserve(static_cast<std::size_t>(threads - 1));
     try {
         for (int worker = 1; worker < threads; ++worker)
-            workers_.emplace_back([this, worker] { serve(worker); });
+            workers_.emplace_back([this, worker, name] {
+                name_thread(name);
+                serve(worker);
+            });
     } catch (...) { // those that there are wait for work, and nobody would join them
         end();
         throw;

@@ -40,9 +40,9 @@ int awaited_phase(std::span<const Phase> phases, std::size_t index);
 
 class ThreadPool {
   public:
-    /// `threads` counts the caller; 0: as many as there are `usable_processors()`. Throws std::system_error, and leaves no thread
+    /// `threads` counts the caller; 0: as many as there are `usable_processors()`. `name`: of the others, as for name_thread(). Throws std::system_error, and leaves no thread
     /// behind, where the system gives fewer.
-    explicit ThreadPool(int threads = 0);
+    explicit ThreadPool(int threads = 0, const char* name = "sea-pool");
     ~ThreadPool();
     ThreadPool(const ThreadPool&) = delete;
     ThreadPool& operator=(const ThreadPool&) = delete;

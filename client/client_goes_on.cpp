@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/quiet_thread.h"
+#include "base/thread_name.h"
 #include "client/link/failure.h"
 #include "client/wanted.h"
 
@@ -124,6 +125,7 @@ Client::ConnectionPtr Client::adopt(ConnectionPtr opened, const JoiningPtr& join
 }
 
 void Client::keep() {
+    name_thread("sea-keeper");
     std::unique_lock lock(mutex_);
     while (!leaving_.stop_requested()) {
         try {

@@ -19,6 +19,7 @@
 
 #include "base/messages.h"
 #include "base/quiet_thread.h"
+#include "base/thread_name.h"
 
 namespace seaway::server {
 namespace {
@@ -111,7 +112,7 @@ void apply_format() {
 void log_on_its_own_thread() {
     {
         const QuietThreads quiet; // signals are main's
-        spdlog::init_thread_pool(lines_waiting_max, 1);
+        spdlog::init_thread_pool(lines_waiting_max, 1, [] { name_thread("sea-log"); });
     }
     spdlog::set_default_logger(std::make_shared<spdlog::async_logger>(
         log_name, std::make_shared<Sink>(), spdlog::thread_pool(),

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/stand_back.h"
 #include "protocol/map_header.h"
 
 namespace seaway::server {
@@ -136,6 +137,7 @@ Result<std::unique_ptr<ByteSource>> start_map(const sea::MapRequest& request,
                                               std::function<void()> on_ready) {
     sea::MapOptions options;
     options.on_ready = std::move(on_ready);
+    options.pause = stand_back;
     SEAWAY_TRY_LET(std::unique_ptr<sea::MapStream> stream,
                    sea::MapStream::start(request, surface, options));
     return std::unique_ptr<ByteSource>(

@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/for_want_of_memory.h"
+#include "base/thread_name.h"
 #include "base/undo.h"
 #include "protocol/limits.h"
 #include "sea/scene/weather.h"
@@ -137,6 +138,7 @@ void SeaDirector::change(SeaWish wish, Host::Changed done) {
 }
 
 void SeaDirector::run() {
+    name_thread("sea-director");
     std::unique_lock lock(mutex_);
     while (!stopping_) {
         journal_grew_ = false;

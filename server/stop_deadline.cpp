@@ -9,6 +9,8 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include "base/thread_name.h"
+
 namespace seaway::server {
 namespace {
 
@@ -48,6 +50,7 @@ bool StopDeadline::signal_waits() {
 }
 
 void StopDeadline::watch() {
+    name_thread("sea-stop");
     std::optional<Clock::time_point> asked;
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, look_every, [this] { return ended_; })) {

@@ -18,6 +18,7 @@
 #include <netdb.h>
 
 #include "base/quiet_thread.h"
+#include "base/thread_name.h"
 
 namespace seaway::sockets {
 
@@ -81,6 +82,7 @@ void NameLookup::begin(const std::string& host, const std::string& port, Done do
     keep_this_library();
     const QuietThreads quiet;
     std::thread([asked = asked_, host, port]() noexcept {
+        name_thread("sea-lookup");
         try {
             Asked::tell(asked, now(host, port));
         } catch (const std::bad_alloc&) { // who asked has a deadline

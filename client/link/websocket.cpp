@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "base/quiet_thread.h"
+#include "base/thread_name.h"
 #include "client/link/failure.h"
 #include "client/link/message_stream.h"
 #include "protocol/limits.h"
@@ -171,6 +172,7 @@ class SocketStream final : public MessageStream {
     }
 
     void run() {
+        name_thread("sea-link");
         try {
             io_.run();
         } catch (const std::exception& problem) {

@@ -8,7 +8,7 @@
 namespace seaway::sea {
 
 struct native::RunnerState {
-    explicit RunnerState(int threads) : pool(threads), batch(pool.threads()) {}
+    explicit RunnerState(int threads) : pool(threads, "sea-synthesis"), batch(pool.threads()) {}
     ThreadPool pool;
     Batch batch;
 };

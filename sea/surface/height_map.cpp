@@ -12,6 +12,7 @@
 
 #include "base/check.h"
 #include "base/for_want_of_memory.h"
+#include "base/thread_name.h"
 #include "sea/surface/maps/hermite.h"
 
 namespace seaway::sea {
@@ -165,6 +166,7 @@ void MapStream::mix_texels() {
 }
 
 void MapStream::work() {
+    name_thread("sea-maps");
     try {
         make_chunks();
     } catch (const std::bad_alloc&) {
@@ -239,14 +241,24 @@ MapChunk MapStream::compute(int index, Scratch& scratch) const {
             std::iota(scratch.unsolved.begin(), scratch.unsolved.end(), 0);
         const int unsolved = all ? request_.columns : kernel_.row(row);
         solve_carefully(row, y_m, {scratch.unsolved.data(), static_cast<std::size_t>(unsolved)});
+        pause();
     }
     return chunk;
 }
 
+void MapStream::pause() const {
+    if (options_.pause != nullptr)
+        options_.pause();
+}
+
 void MapStream::solve_carefully(const MapRow& row, double y_m, std::span<const int> columns) const {
+    constexpr std::size_t between_pauses = 64;
+    std::size_t solved = 0;
     for (const int column : columns) {
         if (stopping_)
             return;
+        if (++solved % between_pauses == 0)
+            pause();
         const double x_m = request_.x0_m + column * request_.width_m / request_.columns;
         const Answer answer = surface_.answer({x_m, y_m, request_.time_us});
         if (row.kind == MapKind::height) {

@@ -89,6 +89,9 @@ struct MapOptions {
     Instructions instructions = best_instructions();
     /// Called on a worker when the chunk that the reader waits for has become ready.
     std::function<void()> on_ready;
+    /// Called on a worker, with nothing locked, after each row and after some of the points that are solved one by one: a few
+    /// tenths of a millisecond. For who lets others go first; null: not called.
+    void (*pause)() = nullptr;
 };
 
 class MapStream {
@@ -119,6 +122,7 @@ class MapStream {
     void mix_texels();
     MapChunk compute(int chunk, Scratch& scratch) const;
     int rows_of(int chunk) const;
+    void pause() const;
     void solve_carefully(const MapRow& row, double y_m, std::span<const int> columns) const;
 
     const MapRequest request_;

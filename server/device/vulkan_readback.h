@@ -54,7 +54,7 @@ class VulkanReadbacks {
     const std::shared_ptr<SpareBuffers> spare_;
     std::deque<Pending> pending_; ///< oldest first
     /// A quarter of a large machine's: the rest is for who takes keyframes apart.
-    ThreadPool copiers_{std::clamp(usable_processors() / 4, 2, 4)};
+    ThreadPool copiers_{std::clamp(usable_processors() / 4, 2, 4), "sea-readback"};
     SynthesisCounters counters_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <nats/nats.h>
 
+#include "base/thread_name.h"
 #include "server/journal/peer_clocks.h"
 
 namespace seaway::server {
@@ -48,6 +49,7 @@ void NatsPeers::begin(std::function<std::string()> say,
 }
 
 void NatsPeers::run() {
+    name_thread("sea-peers");
     while (!stopping_) {
         try {
             exchange();

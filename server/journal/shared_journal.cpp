@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "base/thread_name.h"
+
 namespace seaway::server {
 
 namespace {
@@ -216,6 +218,7 @@ void SharedJournal::follow() {
 }
 
 void SharedJournal::run() {
+    name_thread("sea-journal");
     std::unique_lock lock(stop_mutex_);
     while (!stopping_) {
         lock.unlock();

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/thread_name.h"
+
 namespace seaway::server {
 
 void Disposal::stop() {
@@ -26,6 +28,7 @@ void Disposal::take(std::shared_ptr<void> thing) {
 }
 
 void Disposal::run() {
+    name_thread("sea-disposal");
     std::unique_lock lock(mutex_);
     for (;;) {
         wake_.wait(lock, [&] { return ending_ || !things_.empty(); });

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <new>
 
+#include "base/thread_name.h"
+
 namespace seaway::server {
 
 EncodeWorker::EncodeWorker(MemoryPtr memory)
@@ -124,6 +126,7 @@ EncodeWorker::Line* EncodeWorker::next_line() {
 }
 
 void EncodeWorker::run() {
+    name_thread("sea-encoder");
     std::unique_lock lock(mutex_);
     while (true) {
         Line* line = nullptr;

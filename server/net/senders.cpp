@@ -22,7 +22,7 @@ void Senders::start(int threads) {
     if (threads <= 1)
         return;
     const NoBrokenPipes none;
-    pool_ = std::make_unique<ThreadPool>(threads);
+    pool_ = std::make_unique<ThreadPool>(threads, "sea-senders");
 }
 
 bool Senders::later(std::shared_ptr<Sending> one) {

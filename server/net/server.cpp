@@ -17,6 +17,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
+#include "base/thread_name.h"
 #include "server/net/connection.h"
 #include "server/net/credentials.h"
 #include "server/net/endpoint.h"
@@ -188,6 +189,7 @@ class NetServer::Impl {
     /// The io thread. What there is no memory for is one connection's or one message's, which it ends.
     void serve() {
         const NoBrokenPipes none;
+        name_thread("sea-network");
         for (;;) {
             try {
                 io_.run();

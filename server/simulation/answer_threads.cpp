@@ -6,6 +6,7 @@
 
 #include "base/processors.h"
 #include "base/stand_back.h"
+#include "base/thread_name.h"
 #include "server/simulation/slice.h"
 
 namespace seaway::server {
@@ -29,6 +30,7 @@ void AnswerThreads::join() {
 }
 
 void AnswerThreads::work(Heartbeat& heartbeat) {
+    name_thread("sea-answers");
     while (std::optional<Question> question = questions_.take_to_answer()) {
         heartbeat.works();
         const bool prompt = question->prompt;

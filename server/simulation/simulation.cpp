@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/elapsed.h"
+#include "base/thread_name.h"
 #include "server/host/refusal.h"
 #include "server/simulation/fetched_parts.h"
 #include "server/simulation/slice.h"
@@ -90,6 +91,7 @@ EffectPlan Simulation::plan() const {
 }
 
 void Simulation::run() {
+    name_thread("sea-simulation");
     while (!stopping_ && !source_.failure()) {
         try {
             trim_now_and_then();

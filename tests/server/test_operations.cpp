@@ -300,6 +300,20 @@ TEST(ProcessMetrics, say_what_the_process_takes) {
     EXPECT_GT(after.at("process_max_fds"), after.at("process_open_fds"));
 }
 
+TEST(Threads, have_names_that_say_what_they_do) {
+    const std::string journal = tests::folder().file("named");
+    tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
+                                 "127.0.0.1:0", "--data-dir", journal, "--io-threads", "2"});
+    ASSERT_FALSE(server.wait_until_ready().empty()) << server.log();
+    std::set<std::string> names;
+    for (const auto& thread :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(server.pid()) + "/task"))
+        names.insert(tests::status_of(thread.path(), "Name"));
+    for (const char* const name : {"sea-network", "sea-simulation", "sea-answers", "sea-encoder",
+                                   "sea-senders", "sea-director", "sea-log"})
+        EXPECT_TRUE(names.contains(name)) << name << " of " << testing::PrintToString(names);
+}
+
 TEST(MemoryBudget, one_that_the_scene_does_not_fit_into_is_refused_with_the_least_there_is) {
     const auto checks = [](const std::string& mib) {
         tests::ServerProcess server({"scenes/calm.toml", "--check", "--memory-mb", mib});

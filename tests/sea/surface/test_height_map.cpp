@@ -208,6 +208,21 @@ TEST(HeightMap, threads_do_not_change_a_bit) {
     EXPECT_EQ(all_values(r, sea, one), all_values(r, sea, five));
 }
 
+std::atomic<int> row_pauses = 0;
+
+TEST(HeightMap,
+     who_lets_others_go_first_gets_the_same_map_with_a_pause_a_row_and_more_where_it_folds) {
+    MapOptions paused;
+    paused.pause = [] { ++row_pauses; };
+    for (const bool folds : {false, true}) {
+        const Surface sea = surface(0.03, {1.0, 1.0}, folds);
+        row_pauses = 0;
+        EXPECT_EQ(all_values(request(), sea, paused), all_values(request(), sea));
+        // A row of 120 points that are solved one by one has one more.
+        EXPECT_EQ(row_pauses, (folds ? 2 : 1) * request().rows);
+    }
+}
+
 TEST(HeightMap, one_point_is_a_map) {
     const Surface sea = surface(0.02);
     MapRequest r = request();
