@@ -67,7 +67,7 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
         // No double far out is as near as those at home.
         const double nearest_m = options.tolerance_m;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            options.tolerance_m = std::max(nearest_m, RebuiltSea::tolerance_m(points[i]));
+            options.tolerance_m = std::max(nearest_m, sea::exact_tolerance_m(points[i]));
             const std::optional<Vec2> place =
                 put_movement(points[i], options, field, blur_m, water[i]);
             water[i].foam = place ? foam.at(*place) : std::nan("");

@@ -200,7 +200,7 @@ seaway_code seaway_clock(const seaway_client* client, seaway_clock_status* statu
 typedef struct seaway_sea {
     int64_t start_time_us; /* it runs from here on */
     double hs_m;           /* significant wave height */
-    double tp_s;           /* peak period */
+    double tp_s;           /* peak period; 0: the sea is flat, or stands still */
     double tz_s;           /* mean zero-crossing period */
     double mean_from_deg;  /* nautical bearing that waves come from */
     double height_error_m; /* the error budget of the scene, on level water */

@@ -22,7 +22,7 @@ void TileLimits::describe(CommandLine& line) {
 Result<void> TileLimits::check() const {
     if (rate_hz_max != 0 &&
         !(rate_hz_max >= limits::rate_hz_min && rate_hz_max <= limits::rate_hz_max))
-        return Error{fmt::format("--rate-max {:g}: {:g} to {:g}", rate_hz_max, limits::rate_hz_min,
+        return Error{fmt::format("--rate-max {}: {} to {}", rate_hz_max, limits::rate_hz_min,
                                  limits::rate_hz_max)};
     if (size_max != 0 && !(size_max >= limits::size_min && size_max <= limits::map_side_max))
         return Error{fmt::format("--size-max {}: {} to {}", size_max, limits::size_min,

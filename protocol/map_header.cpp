@@ -4,8 +4,8 @@
 #include <bit>
 #include <string_view>
 
+#include "base/bound_to_float.h"
 #include "base/check.h"
-#include "protocol/bound_to_float.h"
 
 namespace seaway::protocol {
 

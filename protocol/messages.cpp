@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocol/bound_to_float.h"
+#include "base/bound_to_float.h"
 #include "protocol/limits.h"
 
 namespace seaway::protocol {

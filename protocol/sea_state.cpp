@@ -2,7 +2,7 @@
 // SeaState to bytes and back (protocol/messages.h).
 #include <cmath>
 
-#include "protocol/bound_to_float.h"
+#include "base/bound_to_float.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 

@@ -29,7 +29,6 @@ Result<void> check_glide(const wire::SeaState& state) {
     if (glide == nullptr)
         return {};
     return all_of(
-        in_range("start_time_us", state.start_time_us(), -limits::time_us_max, limits::time_us_max),
         in_range("glide.end_us", glide->end_us(), state.start_time_us(), limits::time_us_max),
         in_range("glide.choppiness_x", glide->choppiness_x(), -10.0, 10.0),
         in_range("glide.choppiness_y", glide->choppiness_y(), -10.0, 10.0),
@@ -88,6 +87,7 @@ Result<void> check(const wire::SeaState& state) {
     Result<void> fine = all_of(
         in_range<std::size_t>("count of cascades", count(state.cascades()), 0,
                               limits::cascades_max),
+        in_range("start_time_us", state.start_time_us(), -limits::time_us_max, limits::time_us_max),
         in_range("choppiness_x", state.choppiness_x(), -10.0, 10.0),
         in_range("choppiness_y", state.choppiness_y(), -10.0, 10.0),
         in_range("height_error_m", state.height_error_m(), 0.0, 1e6),

@@ -102,7 +102,7 @@ void add_when(CommandLine& command, CtlWords& words) {
 Result<protocol::ChangeWish> pace_of(double pace) {
     constexpr double least = 1.0 / sea::pace_unit;
     if (pace > 0 && pace < least)
-        return Error{fmt::format("rate {:g}: {} and more; `pause` stops the sea", pace, least)};
+        return Error{fmt::format("rate {}: {} and more; `pause` stops the sea", pace, least)};
     protocol::ChangeWish wish;
     wish.pace_permille = static_cast<int>(std::lround(pace * sea::pace_unit));
     return wish;

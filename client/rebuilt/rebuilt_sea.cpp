@@ -26,10 +26,6 @@ Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Reali
 
 } // namespace
 
-double RebuiltSea::tolerance_m(const sea::QueryPoint& point) {
-    return 1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
-}
-
 RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
                        const RebuiltError& error, sea::WaveGrowth growth)
     : waves_(std::move(waves)), sum_(waves_, std::move(growth)),
@@ -47,7 +43,7 @@ void RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::
 }
 
 sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {
-    sea::InverseOptions options{waves_->choppiness, tolerance_m(point), folds_};
+    sea::InverseOptions options{waves_->choppiness, sea::exact_tolerance_m(point), folds_};
     constexpr double for_folds = sea::fold_sigmas / sea::bound_sigmas;
     if (error_.strain > 0)
         options.blur = {error_.height_m, for_folds * error_.displacement_m, error_.strain};
@@ -58,7 +54,7 @@ void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer,
                            sea::ErrorTerms* terms) const {
     const double sideways =
         sea::surface_slope(answer) * std::max(waves_->choppiness.x, waves_->choppiness.y);
-    const double inverse_m = answer.error_m + tolerance_m(point);
+    const double inverse_m = answer.error_m + sea::exact_tolerance_m(point);
     const double waves_m = std::hypot(error_.height_m, sideways * error_.displacement_m);
     answer.error_m = inverse_m + waves_m;
     if (terms != nullptr)

@@ -65,8 +65,6 @@ class RebuiltSea final : public OwnSea {
         look(*this);
     }
 
-    /// How near a point is looked for: a nanometre, and what rounding leaves of a coordinate far out.
-    static double tolerance_m(const sea::QueryPoint& point);
     /// Of a moment of sum(), which may be of some cascades alone. `terms`: filled in, or null.
     sea::Answer answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment,
                        sea::ErrorTerms* terms = nullptr) const;

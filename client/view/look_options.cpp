@@ -21,7 +21,7 @@ Result<void> take_number(const char* option, double given, Range range, double u
     if (std::isnan(given))
         return {};
     SEAWAY_TRY(require(range.contains(given),
-                       fmt::format("{} {:g}: {:g} .. {:g}", option, given, range.lo, range.hi)));
+                       fmt::format("{} {}: {} .. {}", option, given, range.lo, range.hi)));
     out = given * unit;
     return {};
 }

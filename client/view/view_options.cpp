@@ -123,7 +123,7 @@ Result<void> check_frames(const ViewOptions& options) {
         std::max(options.frame(options.frames - 1), options.bench_frames - 1));
     return require(options.time_s.value_or(0) + last_s <= time_max_s,
                    fmt::format("--frames {}: the last is {} s after --time {}; sea time ends at "
-                               "{:g} s",
+                               "{} s",
                                options.frames, last_s, options.time_s.value_or(0), time_max_s));
 }
 
@@ -201,7 +201,7 @@ Result<void> check(const Words& words, const ViewOptions& options) {
     SEAWAY_TRY(options.limits.check());
     SEAWAY_TRY(require(options.camera.view_deg >= camera_view_min_deg &&
                            options.camera.view_deg <= camera_view_max_deg,
-                       fmt::format("--fov {:g}: {:g} .. {:g} degrees", options.camera.view_deg,
+                       fmt::format("--fov {}: {} .. {} degrees", options.camera.view_deg,
                                    camera_view_min_deg, camera_view_max_deg)));
     return options.offscreen ? check_files(words, options) : check_window(words, options);
 }

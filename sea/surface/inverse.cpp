@@ -167,6 +167,11 @@ FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_
     return {std::max(reach_m, reach_min_m), squeeze > folds_searched_above};
 }
 
+double exact_tolerance_m(const QueryPoint& point) {
+    constexpr double last_digits = 32 * 0.5 * std::numeric_limits<double>::epsilon();
+    return 1e-9 + last_digits * std::max(std::abs(point.x_m), std::abs(point.y_m));
+}
+
 double folded_share(double squeeze) {
     if (!(squeeze > 0))
         return 0;

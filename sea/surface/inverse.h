@@ -105,6 +105,10 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,
                   const DirectSum::Moment& moment, Vec2* lagrangian = nullptr);
 
+/// What counts as solved of the exact sum, m: a nanometre, and what rounding leaves of places far out. There one step of the
+/// place's last digit moves the residual by as many as the surface is squeezed, some in a sea that folds.
+double exact_tolerance_m(const QueryPoint& point);
+
 /// Above what is no point: NaN, answer_invalid.
 Answer invalid_answer();
 

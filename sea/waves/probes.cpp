@@ -31,8 +31,8 @@ std::vector<Probe> make_probes(const DirectSum& sea, TimeUs from_us) {
     double length_m = 0;
     for (const CascadeModes& cascade : waves.cascades)
         length_m = std::max(length_m, cascade.spec.length_m);
-    const auto span_us =
-        static_cast<double>(waves.loop_period_us > 0 ? waves.loop_period_us : day_us);
+    const TimeUs long_us = waves.loop_period_us > 0 ? waves.loop_period_us : day_us;
+    const auto span_us = static_cast<double>(std::min(long_us, time_us_max - from_us));
     std::vector<Probe> probes;
     for (int n = 0; n < probe_count; ++n) {
         const double x_m = tiles_across * length_m * (share(n, 0) - 0.5);

@@ -159,8 +159,7 @@ void PointQuestion::sum_exactly(const SeaCourse& course, const SliceOver& over, 
 }
 
 sea::Answer PointQuestion::exactly(const sea::QueryPoint& point) {
-    // A nanometre, and what rounding leaves of a coordinate far out.
-    const double tolerance_m = 1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
+    const double tolerance_m = sea::exact_tolerance_m(point);
     const sea::InverseOptions options{choppiness_, tolerance_m, folds_};
     const std::size_t at = order_[done_count_];
     sea::Answer answer = asked_.z_m.empty() ? sea::surface_at(point, options, *moment_)

@@ -12,6 +12,7 @@ void main() {
     // Of a triangle that is seen from its edge - the last cells before the horizon, the back of a crest -
     // the plane through its corners may be extrapolated to anywhere, behind the eye as well. What is
     // not within the triangle is not what this pixel shows; its corner is.
-    const float beyond_m = unpacked_place(place).distance_m - unpacked_place(corner).distance_m;
-    shown = abs(beyond_m) <= reach_m ? place : corner;
+    const float distance_m = unpacked_place(place).distance_m;
+    const float beyond_m = distance_m - unpacked_place(corner).distance_m;
+    shown = distance_m > 0.0 && abs(beyond_m) <= reach_m ? place : corner;
 }

@@ -237,8 +237,7 @@ class Folds {
                   &surface);
         if (!ask_exact)
             return;
-        const double tolerance_m =
-            1e-9 + 4e-16 * std::max(std::abs(point.x_m), std::abs(point.y_m));
+        const double tolerance_m = sea::exact_tolerance_m(point);
         start_s = thread_cpu_seconds();
         Answer exact = surface_at(
             point, {sea.realization->choppiness, tolerance_m, fold_search(sea.budget)}, moment);

@@ -302,5 +302,19 @@ TEST(MessageLimits, a_server_says_times_of_a_sea_alone_since_clocks_add_them_to_
     EXPECT_TRUE(check(*(*reader.read(last))->body_as_Pong()));
 }
 
+TEST(MessageLimits, a_sea_begins_within_all_times_whether_it_glides_or_not) {
+    SeaStateValues state = tests::some_state();
+    state.glide = {};
+    const auto why = [&](sea::TimeUs start_us) {
+        state.start_time_us = start_us;
+        return why_not(Sender::server, sea_state(state));
+    };
+    EXPECT_EQ(why(-limits::time_us_max), "");
+    for (const sea::TimeUs beyond :
+         {-limits::time_us_max - 1, limits::time_us_max + 1,
+          std::numeric_limits<sea::TimeUs>::min(), std::numeric_limits<sea::TimeUs>::max()})
+        expect_refused(why(beyond), "start_time_us");
+}
+
 } // namespace
 } // namespace seaway::protocol

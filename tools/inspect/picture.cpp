@@ -253,7 +253,9 @@ void draw_spreading(Canvas& canvas, const Report& report, const SeaSpectrum& spe
     canvas.paint(area, [&](double x, double y) {
         return plot::sea_color(highest > 0.0 ? share({x, y}) / highest : 0.0);
     });
-    chart.vertical(sea::two_pi / report.summary.requested.peak_period_s, {peak_color, 1.5, 6.0});
+    if (report.summary.requested.peak_period_s > 0.0)
+        chart.vertical(sea::two_pi / report.summary.requested.peak_period_s,
+                       {peak_color, 1.5, 6.0});
     chart.draw_frame();
     canvas.text({0.5 * (area.left + area.right), area.top - 14},
                 fmt::format("spreading D(θ, ω) around {:.0f}°", mean_deg),

@@ -16,6 +16,7 @@
 #include "sea/waves/realize.h"
 #include "sea/waves/statistics/frequency_nodes.h"
 #include "sea/waves/statistics/lattice_bias.h"
+#include "sea/waves/statistics/peak_finder.h"
 
 namespace seaway::sea {
 
@@ -49,14 +50,21 @@ struct EnergySums {
     }
 };
 
+double period_s(double omega_radps) {
+    return moves(omega_radps) ? two_pi / omega_radps : 0.0;
+}
+
+/// Below it shares of a variance are no numbers: waves of 1e-140 m.
+constexpr double variance_min_m2 = 1e-280;
+
 SeaStatistics statistics(const EnergySums& sums, double peak_omega_radps) {
     SeaStatistics s;
-    if (!(sums.m0 > 0.0))
+    if (!(sums.m0 > variance_min_m2))
         return s;
     s.significant_height_m = 4.0 * std::sqrt(sums.m0);
-    s.peak_period_s = two_pi / peak_omega_radps;
-    s.zero_crossing_period_s = two_pi * std::sqrt(sums.m0 / sums.m2);
-    s.mean_period_s = two_pi * sums.m0 / sums.m1;
+    s.peak_period_s = period_s(peak_omega_radps);
+    s.zero_crossing_period_s = period_s(std::sqrt(sums.m2 / sums.m0));
+    s.mean_period_s = period_s(sums.m1 / sums.m0);
     s.mean_towards_rad = std::atan2(sums.north, sums.east);
     const double r1 = std::min(1.0, std::hypot(sums.east, sums.north) / sums.m0);
     s.spread_rad = std::sqrt(2.0 * (1.0 - r1));
@@ -179,11 +187,13 @@ DirectionalSpectrum::Peak peak_of(std::span<const DirectionalSpectrum> spectra) 
     return strongest->peak_around(best_omega);
 }
 
-/// Of energies by frequency, whatever the directions, where most is. Waves of one length on tiles of several
+/// Of energies by frequency, whatever the directions, where most of those that move is; 0: none does. Waves of one length on tiles of several
 /// lengths differ in their last bits: they are one line.
 double strongest_line(const std::map<double, double>& energy_by_omega) {
     double best_omega = 0.0, best = 0.0, line_omega = 0.0, sum = 0.0;
     for (const auto& [omega, energy] : energy_by_omega) {
+        if (!moves(omega))
+            continue;
         if (omega > line_omega * (1.0 + 1e-9)) {
             line_omega = omega;
             sum = 0.0;
@@ -227,57 +237,6 @@ SeaStatistics requested_statistics(const SeaState& sea,
     peak_bin_period_s = peak.bin_omega_radps > 0.0 ? two_pi / peak.bin_omega_radps : 0.0;
     return statistics(sums, peak.omega_radps);
 }
-
-/// Peak of a realised sea: sum w S^4 / sum S^4 (Young 1995) over narrow bins of equal ratio around
-/// the densest, so that neither one lucky mode nor a second wave system pulls it away.
-class PeakFinder {
-  public:
-    void add(double energy, double omega) {
-        if (!(omega > 0))
-            return;
-        const double bin = std::floor(std::log(omega) / bin_width) + offset;
-        Bin& b = bins_[static_cast<std::size_t>(std::clamp(bin, 0.0, bin_count - 1.0))];
-        b.energy += energy;
-        b.moment += energy * omega;
-    }
-    double peak_omega_radps() const {
-        int densest = 0;
-        for (int i = 0; i < bin_count; ++i)
-            if (density(i) > density(densest))
-                densest = i;
-        double weights = 0.0;
-        double sum = 0.0;
-        for (int i = densest - reach; i <= densest + reach; ++i) {
-            const double weight = std::pow(density(i), 4);
-            if (!(weight > 0.0))
-                continue;
-            const Bin& b = bins_[static_cast<std::size_t>(i)];
-            weights += weight;
-            sum += weight * b.moment / b.energy;
-        }
-        return weights > 0.0 ? sum / weights : 1.0;
-    }
-
-  private:
-    struct Bin {
-        double energy = 0.0;
-        double moment = 0.0;
-    };
-    static constexpr double bin_width = 0.1;
-    static constexpr int offset = 120; ///< exp(-12) rad/s
-    static constexpr int bin_count = 240;
-    static constexpr int reach = 2; ///< bins either way: 20 % in frequency
-
-    /// Mean density over bin i, up to a factor; 0 outside.
-    double density(int i) const {
-        if (i < 0 || i >= bin_count || !(bins_[static_cast<std::size_t>(i)].energy > 0.0))
-            return 0.0;
-        const Bin& b = bins_[static_cast<std::size_t>(i)];
-        return b.energy * b.energy / b.moment;
-    }
-
-    std::array<Bin, bin_count> bins_{};
-};
 
 /// Calls f(amplitude, nx, ny, omega) for every mode, whose variance is half of its amplitude's square.
 template <class F>

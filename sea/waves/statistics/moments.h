@@ -10,13 +10,16 @@
 
 namespace seaway::sea {
 
+/// Waves of longer periods stand still: stylised ones may be slowed down so far.
+inline constexpr double period_max_s = 1e9;
+
 struct SeaStatistics {
     double significant_height_m = 0; ///< 4 sqrt(m0)
     /// Requested: where S(f) is largest; of measured bins the top of the parabola through the
     /// highest bin and its neighbours, or its middle where they do not allow one
     /// (MeasuredSpectrum::peak_around); where there are explicit or stylised waves alone, the frequency
     /// that most of their energy has. Realised: sum S^4 / sum f S^4 around the densest band (Young
-    /// 1995). 0 for a flat sea, as all periods.
+    /// 1995). 0 for a flat sea and one that stands still, as all periods.
     double peak_period_s = 0;
     double zero_crossing_period_s = 0; ///< 2 pi sqrt(m0/m2)
     double mean_period_s = 0;          ///< Tm01 = 2 pi m0/m1

@@ -216,5 +216,26 @@ TEST_F(UnderWaterTest, from_any_height_and_at_any_pitch_every_pixel_is_a_number)
     }
 }
 
+// A pixel of a few degrees sees waves that lie elsewhere than along its middle. Naive: a way up ends far above the water, where
+// daylight grows without end.
+TEST_F(UnderWaterTest, coarse_pixels_of_murky_water_are_no_brighter_than_the_sky) {
+    SyntheticSea sea = gale();
+    SeaFrame frame = sea.at(100'000'000);
+    frame.water.type = sea::WaterType::coastal_9;
+    frame.depth_m = 50;
+    camera_.width = 32;
+    camera_.height = 18;
+    camera_.z_m = -5;
+    camera_.view_deg = 150;
+    for (const std::size_t quality : {quality_default, quality_high})
+        for (const double pitch_deg : {-10.0, 20.0, 60.0}) {
+            camera_.pitch_deg = pitch_deg;
+            const Picture picture = render(frame, sky_at_hour(15), DebugView::final,
+                                           {.quality = quality_table[quality]});
+            for (std::size_t i = 0; i < picture.rgba.size(); ++i)
+                ASSERT_LT(picture.rgba[i], 1000.0f) << i; // klx/sr; the zenith has some 5
+        }
+}
+
 } // namespace
 } // namespace seaway::client

@@ -55,6 +55,38 @@ TEST(FarAway, an_answer_is_that_of_the_same_place_on_the_tile) {
     EXPECT_LT(worst_m, 1e-5);
 }
 
+// Where a sea folds, a step of a far place's last digit moves the residual by several: naively none of its sheets is near enough, and
+// the one that is found by chance is the answer, with a bound of a few nanometres.
+TEST(FarAway, the_highest_sheet_of_a_sea_that_folds_is_the_same) {
+    const RealizationPtr sea =
+        tests::make_sea({tests::random_cascade(128.0, 64, 10, 60, 0.1, 1)}, {3, 3});
+    const DirectSum sum(sea);
+    const DirectSum::Moment moment = sum.at_time(0);
+    const auto answer = [&](const QueryPoint& point) {
+        return surface_at(point, {sea->choppiness, exact_tolerance_m(point), {20.0, true}}, moment);
+    };
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> on_tile(0, 128);
+    int folded = 0;
+    for (int i = 0; i < 1500; ++i) {
+        const auto place = [&] { return std::round(on_tile(random) * 1024) / 1024; };
+        const QueryPoint here{place(), place(), 0};
+        const Answer near = answer(here);
+        folded += (near.flags & answer_folded) != 0;
+        for (const double tiles : {132'812.0, -7'000'000.0}) { // 17 000 and 896 000 km
+            const QueryPoint away{here.x_m + 128 * tiles, here.y_m - 128 * tiles, 0};
+            const Answer far = answer(away);
+            EXPECT_EQ(near.flags, far.flags) << here.x_m << ' ' << here.y_m;
+            if (!((near.flags | far.flags) & answer_open)) {
+                const double within_m =
+                    near.error_m + far.error_m + exact_tolerance_m(away) * (1 + surface_slope(far));
+                EXPECT_NEAR(near.height_m, far.height_m, within_m) << here.x_m << ' ' << here.y_m;
+            }
+        }
+    }
+    EXPECT_GT(folded, 100) << "else nothing is compared";
+}
+
 // Phases are whole turns in 64 bits at any time; what is left is the spline's and the interpolation's, of other waves each time.
 TEST(LongAfter, thirty_years_a_surface_is_as_near_to_its_sum_as_on_the_first_day) {
     const RealizationPtr sea = tests::two_cascades();

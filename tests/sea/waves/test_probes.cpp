@@ -58,6 +58,19 @@ TEST(Probes, of_a_sea_with_a_loop_lie_within_it) {
     }
 }
 
+// A change may begin within a day of the end of all times; beyond it nobody takes a time.
+TEST(Probes, of_a_sea_that_begins_near_the_end_of_all_times_lie_before_it) {
+    SeaState looped = windy_sea();
+    looped.loop_period_s = 1e6;
+    for (const SeaState& state : {windy_sea(), looped})
+        for (const TimeUs before_us : {TimeUs{0}, TimeUs{50'000'000}})
+            for (const Probe& probe :
+                 make_probes(DirectSum(realized(state, three_cascades)), time_us_max - before_us)) {
+                EXPECT_GE(probe.time_us, time_us_max - before_us);
+                EXPECT_LE(probe.time_us, time_us_max);
+            }
+}
+
 TEST(Probes, are_met_by_the_same_sea_to_the_bit_and_by_one_made_again_within_their_error) {
     EXPECT_EQ(difference_m([](Realization&) {}), 0);
     // Another libm: last places of amplitudes and frequencies.

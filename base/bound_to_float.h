@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace seaway::protocol {
+namespace seaway {
 
 inline float bound_to_float(double bound) {
     const auto nearest = static_cast<float>(bound);
@@ -14,4 +14,4 @@ inline float bound_to_float(double bound) {
                : nearest;
 }
 
-} // namespace seaway::protocol
+} // namespace seaway
