@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/standard_files.h"
 
+#include <csignal>
 #include <initializer_list>
 
 #include <fcntl.h>
@@ -9,6 +10,7 @@
 namespace seaway {
 
 void hold_standard_files() {
+    std::signal(SIGXFSZ, SIG_IGN); // what is too long is then an error of who writes it
     for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (fcntl(number, F_GETFD) < 0)
             // The lowest number that is free. The wrong way round: reading and writing go on to fail.

@@ -19,6 +19,7 @@ Result<std::string> place_beside(const std::string& path) {
     SEAWAY_TRY(check_replaceable(path));
     if (const Result<void> free = check_replaceable(beside); !free)
         return Error{beside + " " + free.error().message};
+    std::remove(beside.c_str()); // a link would be written through
     return beside;
 }
 

@@ -153,7 +153,7 @@ Result<void> check_point(const sea::QueryPoint& point) {
     for (const double place_m : {point.x_m, point.y_m})
         if (std::isfinite(place_m) && std::abs(place_m) > sea::position_max_m)
             return failed(Failure::bad_argument,
-                          fmt::format("a coordinate is {} m: it must be {} to {}", place_m,
+                          fmt::format("a coordinate is {} m: it must be {:g} to {:g}", place_m,
                                       -sea::position_max_m, sea::position_max_m));
     return check_time(point.time_us);
 }

@@ -12,7 +12,9 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "base/messages.h"
 #include "base/spare_memory.h"
@@ -138,7 +140,11 @@ void or_leave(const char* event, Work work) {
 }
 
 void say_ready(const std::string& url) {
-    const Result<void> told = write_out(stdout, fmt::format("ready {}\n", url));
+    constexpr int patience_ms = 1000; // with a pipe that is full and that nobody reads
+    pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+    const Result<void> told = ::poll(&out, 1, patience_ms) > 0
+                                  ? write_out(stdout, fmt::format("ready {}\n", url))
+                                  : Error{"nobody reads standard output: \"ready\" is not written"};
     if (!told) // who reads the log knows the address all the same
         spdlog::warn("{}", told.error().message);
 }
@@ -233,8 +239,8 @@ int serve(const Options& options) {
     auto director = std::make_unique<SeaDirector>(course, resumed->journal.get(), resumed->changes,
                                                   world, clock);
 
-    say_ready((*net)->url());
     manager.ready((*net)->url());
+    say_ready((*net)->url());
     Progress progress;
     const auto look = [&] {
         if (progress.comes_on(world.health(), (*net)->silence()))

@@ -107,6 +107,7 @@ sea::TimeUs World::announce_due() {
     const auto later = course_->windows(until_us, ever_us);
     const auto next = std::ranges::find_if(
         later, [&](const EpochWindow& window) { return window.start_us >= until_us; });
+    told_until_us_ = next == later.end() ? ever_us : next->start_us;
     return next == later.end() ? ever_us : next->start_us - (until_us - now_us);
 }
 

@@ -123,7 +123,8 @@ class World final : public Host {
     Simulation* simulation_ = nullptr;
 
     mutable std::atomic<std::int64_t> unsure_since_us_ = 0, unsure_looked_us_ = 0;
-    mutable std::mutex mutex_; ///< of what follows
+    std::atomic<sea::TimeUs> told_until_us_ = 0; ///< a sea that nobody was told of begins then
+    mutable std::mutex mutex_;                   ///< of what follows
     Publish publish_;
     Announce announce_;
     Change change_;

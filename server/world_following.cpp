@@ -87,6 +87,12 @@ sea::SeaTime World::sea_time() const {
     sea::SeaTime time(moment.now_us, moment.elapsed_us);
     if (const std::int64_t since_us = unsure_since_us_)
         time.unsure_us = std::max<std::int64_t>(now_us - since_us, 1);
+    // The clock has leapt, or the process stood still: the sea that runs by now is told of in a moment. Clients take it that they are
+    // told of a change some time before it begins.
+    if (const sea::TimeUs untold_us = moment.now_us - told_until_us_; untold_us >= 0)
+        time.unsure_us = std::max<std::int64_t>(
+            time.unsure_us,
+            untold_us * sea::pace_unit / std::max(moment.pace_permille, 1) + announced_ahead_us);
     return time;
 }
 

@@ -201,14 +201,28 @@ void Socket::connect_tls(const std::string& host, Done done) {
     error_code no_address;
     asio::ip::make_address(host, no_address);
     std::string name = host;
+    if (no_address && name.ends_with('.')) // of the root, which stands in no certificate
+        name.pop_back();
     if (no_address && !SSL_ctrl(tls.native_handle(), SSL_CTRL_SET_TLSEXT_HOSTNAME,
                                 TLSEXT_NAMETYPE_host_name, name.data()))
         return asio::post(get_executor(), [done = std::move(done)] {
             done(make_error_code(boost::system::errc::invalid_argument));
         });
     tls.set_verify_mode(asio::ssl::verify_peer);
-    tls.set_verify_callback(asio::ssl::host_name_verification(host));
+    tls.set_verify_callback(asio::ssl::host_name_verification(name));
     tls.async_handshake(asio::ssl::stream_base::client, streams_->kept_until(std::move(done)));
+}
+
+std::string Socket::why_untrusted() const {
+    if (!streams_->tls)
+        return {};
+    const long found = SSL_get_verify_result(streams_->tls->native_handle());
+    if (found == X509_V_OK)
+        return {};
+    // All is well with it by itself.
+    if (found == X509_V_ERR_UNSPECIFIED || found == X509_V_ERR_APPLICATION_VERIFICATION)
+        return "the certificate is of another name";
+    return X509_verify_cert_error_string(found);
 }
 
 void Socket::expires_after(std::chrono::milliseconds patience) {

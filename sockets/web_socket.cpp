@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
@@ -31,6 +32,8 @@ WebSocketEnd kind_of(error_code error) {
         return WebSocketEnd::not_understood;
     return WebSocketEnd::broken;
 }
+
+constexpr std::chrono::seconds farewell_patience{1};
 
 /// The first line of what a stranger says, for a terminal.
 std::string first_line(const std::string& text) {
@@ -66,12 +69,22 @@ std::uint32_t retry_after_ms(std::string_view field) {
 
 struct WebSocket::Impl {
     Impl(Socket socket, const WebSocketOptions& wanted)
-        : options(wanted), stream(std::move(socket)) {}
+        : options(wanted), stream(std::move(socket)), farewell(stream.get_executor()) {}
+
+    /// Nothing follows the peer's closing frame but the end of TCP, which may be lost on its way.
+    void ends_soon() {
+        farewell.expires_after(farewell_patience);
+        farewell.async_wait([this](error_code gone) {
+            if (!gone)
+                stream.next_layer().close();
+        });
+    }
 
     const WebSocketOptions options;
     websocket::stream<Socket> stream;
     beast::flat_buffer buffer;
     websocket::response_type response; ///< of a server
+    asio::steady_timer farewell;
 };
 
 WebSocket::WebSocket(Socket socket, const WebSocketOptions& options)
@@ -82,6 +95,10 @@ WebSocket::WebSocket(Socket socket, const WebSocketOptions& options)
     stream.read_message_max(options.message_bytes_max);
     stream.auto_fragment(false);
     stream.binary(true);
+    stream.control_callback([impl = impl_.get()](websocket::frame_type kind, std::string_view) {
+        if (kind == websocket::frame_type::close)
+            impl->ends_soon();
+    });
 }
 
 WebSocket::~WebSocket() = default;

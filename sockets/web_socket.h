@@ -22,7 +22,7 @@ namespace seaway::sockets {
 
 /// Kinds of errors.
 enum class WebSocketEnd {
-    closed, ///< the peer said so; peer_close() has its code and reason
+    closed, ///< the peer said so
     silent, ///< nothing was heard of the peer for too long
     unread, ///< of a ServedWebSocket: pings, or answers to the peer's, lie there for too long
     not_understood, ///< what came is no WebSocket, or a message too large
@@ -75,7 +75,7 @@ class WebSocket {
     /// Sends the closing frame and waits for the peer's. Reasons are cut at what a frame holds.
     void close(const Close& why, std::function<void()> done);
 
-    /// What the peer's closing frame said; after an error of kind `closed`.
+    /// What the peer's closing frame said; code 0: none came. Where TCP does not end within a second of it, read() ends as `broken`.
     Close peer_close() const;
     Socket& socket();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/link/url.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -22,10 +23,11 @@ bool port_fits(std::string_view port) {
 }
 
 bool has_blank_or_control(std::string_view text) {
-    for (const char c : text)
-        if (c <= ' ' || c == 0x7f)
-            return true;
-    return false;
+    return std::ranges::any_of(text, [](unsigned char c) { return c <= ' ' || c == 0x7f; });
+}
+
+bool is_ascii(std::string_view text) {
+    return std::ranges::all_of(text, [](unsigned char c) { return c < 0x80; });
 }
 
 } // namespace
@@ -46,6 +48,8 @@ Result<Url> parse_url(std::string_view text) {
             text, fmt::format("scheme '{}' is not known, use ws:// or, with TLS, wss://", scheme));
     if (has_blank_or_control(text) || text.find('#') != std::string_view::npos)
         return bad_url(text, "blanks, control characters and '#' are not allowed");
+    if (!is_ascii(text))
+        return bad_url(text, "it has to be ASCII: a name as xn--..., a path as %C3%BC");
     Url url;
     url.tls = scheme == "wss";
     std::string_view rest = text.substr(scheme_end + 3);

@@ -8,6 +8,7 @@
 #include <future>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
@@ -35,6 +36,8 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds tick_interval{50};
 constexpr milliseconds close_patience{1000};
+constexpr milliseconds work_at_once_max{10}; ///< of a call that does not wait
+constexpr milliseconds reads_first_max{200};
 constexpr std::chrono::seconds idle_timeout{30};
 constexpr unsigned normal_closure = 1000; // RFC 6455, 7.4.1
 
@@ -57,7 +60,7 @@ class SocketStream final : public MessageStream {
     SocketStream(const Url& url, const WebSocketOptions& options,
                  std::shared_ptr<asio::ssl::context> tls_context)
         : url_(url), options_(options), tls_context_(std::move(tls_context)),
-          ws_(make_socket(), web_socket_options(options)), ticker_(io_) {}
+          ws_(make_socket(), web_socket_options(options)), ticker_(io_), reads_first_timer_(io_) {}
 
     ~SocketStream() override { SocketStream::end(); }
 
@@ -108,8 +111,8 @@ class SocketStream final : public MessageStream {
         if (finished_)
             return;
         try {
-            if (io_.poll() == 0 && io_.run_one_until(until) > 0)
-                io_.poll();
+            if (work_on_what_is_ready(until) == 0 && io_.run_one_until(until) > 0)
+                work_on_what_is_ready(until);
         } catch (const std::exception& problem) {
             fail(problem);
         }
@@ -226,8 +229,12 @@ class SocketStream final : public MessageStream {
             if (!url_.tls)
                 return shake_hands();
             ws_.socket().connect_tls(url_.host, [this](error_code refused) {
-                if (refused)
-                    return opened(cannot_connect(fmt::format("TLS: {}", refused.message())));
+                if (refused) {
+                    const std::string untrusted = ws_.socket().why_untrusted();
+                    return opened(
+                        cannot_connect(fmt::format("TLS: {}{}{}", refused.message(),
+                                                   untrusted.empty() ? "" : ": ", untrusted)));
+                }
                 shake_hands();
             });
         });
@@ -257,14 +264,17 @@ class SocketStream final : public MessageStream {
                 close("the server sent a text message");
             else if (!closing_)
                 events_.on_message(message->bytes);
-            if (!finished_)
-                read();
+            if (finished_)
+                return;
+            read();
+            write_what_waited();
         });
     }
 
     std::string why_ended(const Error& error) const {
-        if (error.is(WebSocketEnd::closed)) {
-            const auto [code, reason] = ws_.peer_close();
+        // What it said last, also where it then went without a word of TCP.
+        if (const auto [code, reason] = ws_.peer_close();
+            code != 0 || error.is(WebSocketEnd::closed)) {
             return reason.empty() ? fmt::format("the server closed the connection (code {})", code)
                                   : fmt::format("the server closed the connection (code {}: {})",
                                                 code, reason);
@@ -275,15 +285,45 @@ class SocketStream final : public MessageStream {
                            why_not_written_.empty() ? error.message : why_not_written_);
     }
 
+    /// Of who talks without end, no longer than until then, or a few milliseconds: the next call goes on.
+    std::size_t work_on_what_is_ready(std::chrono::steady_clock::time_point until) {
+        const auto end = std::max(until, std::chrono::steady_clock::now() + work_at_once_max);
+        std::size_t worked = 0;
+        while (io_.poll_one() > 0) {
+            ++worked;
+            if (std::chrono::steady_clock::now() >= end)
+                break;
+        }
+        return worked;
+    }
+
     void write() {
         writing_ = !outbox_.empty() && !finished_;
         if (!writing_)
             return;
-        // A peer that has said its last word answers with a reset, after which nothing more can be read: so what it said comes first.
-        if (ws_.socket().has_unread()) {
-            asio::post(io_, [this] { write(); });
+        // A peer that has said its last word answers with a reset, after which nothing more can be read: so what it said comes
+        // first, but for one that never ends.
+        if (!ws_.socket().has_unread())
+            return write_first();
+        if (std::exchange(reads_first_, true))
             return;
-        }
+        reads_first_timer_.expires_after(reads_first_max);
+        reads_first_timer_.async_wait([this](error_code gone) {
+            if (!gone && std::exchange(reads_first_, false) && !finished_)
+                write_first();
+        });
+    }
+
+    /// After what was read: what waited for it, if no more is there.
+    void write_what_waited() {
+        if (!reads_first_ || finished_ || ws_.socket().has_unread())
+            return;
+        reads_first_ = false;
+        reads_first_timer_.cancel();
+        write_first();
+    }
+
+    void write_first() {
         ws_.write(outbox_.front(), [this](const Result<void>& written) {
             if (!written) {
                 writing_ = false; // the reader ends by it
@@ -326,6 +366,7 @@ class SocketStream final : public MessageStream {
         closing_ = true;
         work_.reset();
         ticker_.cancel();
+        reads_first_timer_.cancel();
         ws_.socket().close();
         if (reading_)
             events_.on_closed(goodbye_.empty() ? std::move(reason) : goodbye_);
@@ -343,6 +384,8 @@ class SocketStream final : public MessageStream {
     sockets::NameLookup lookup_{io_};
     sockets::WebSocket ws_;
     asio::steady_timer ticker_;
+    asio::steady_timer reads_first_timer_;
+    bool reads_first_ = false; ///< a write waits until what is there has been read
     std::deque<protocol::Bytes> outbox_;
     bool writing_ = false;
     bool answered_ = false; ///< opened_ has its value

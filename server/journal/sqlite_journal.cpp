@@ -12,14 +12,12 @@
 #include "base/disk_room.h"
 #include "base/text_file.h"
 #include "server/journal/change_text.h"
+#include "server/journal/journal_file.h"
 #include "server/journal/sea_clock.h"
 
 namespace seaway::server {
 namespace {
 
-/// "Seaw", in the header of the file (sqlite.org/fileformat2.html, offset 68).
-constexpr std::int32_t application_id = 0x53656177;
-constexpr std::int32_t version = 2;
 constexpr int busy_wait_ms = 5000; ///< for who looks at the file with another program
 
 constexpr const char* layout = R"(
@@ -34,7 +32,7 @@ constexpr const char* layout = R"(
         sum INTEGER NOT NULL,
         made_utc_us INTEGER) STRICT;
 )";
-static_assert(application_id == 1399153015 && version == 2, "as the layout says");
+static_assert(journal_application_id == 1399153015 && journal_version == 2, "as the layout says");
 /// What layout 1 lacks. The header of a file may still say 1 when what stands beside it says 2.
 constexpr const char* when_last_made = "SELECT max(made_utc_us) FROM changes";
 constexpr const char* add_when_made =
@@ -45,7 +43,9 @@ constexpr const char* add_when_made =
 Error sql_error(sqlite3* database) {
     const int code = sqlite3_errcode(database) & 0xff;
     Error error{sqlite3_errmsg(database)};
-    if (code == SQLITE_FULL || code == SQLITE_IOERR || code == SQLITE_BUSY || code == SQLITE_LOCKED)
+    if (code == SQLITE_FULL || code == SQLITE_IOERR || code == SQLITE_BUSY ||
+        code == SQLITE_LOCKED || code == SQLITE_NOMEM ||
+        (code == SQLITE_CANTOPEN && passes(sqlite3_system_errno(database))))
         error.kind = JournalError::unreachable;
     return error;
 }
@@ -124,43 +124,6 @@ Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t su
     return {};
 }
 
-/// Who wrote this file, before SQLite touches it.
-Result<void> check_header(const std::string& path) {
-    std::error_code none;
-    if (std::filesystem::symlink_status(path, none).type() == std::filesystem::file_type::symlink)
-        return Error{"is a link: two folders with one journal would be two writers"};
-    SEAWAY_TRY(check_regular_file(path));
-    unsigned char header[100] = {};
-    std::ifstream file(path, std::ios::binary);
-    file.read(reinterpret_cast<char*>(header), sizeof header);
-    constexpr char magic[] = "SQLite format 3";
-    if (file.gcount() != sizeof header || std::memcmp(header, magic, sizeof magic) != 0)
-        return Error{"is no journal of Seaway, or was cut off; it is left as it is"};
-    const auto number = [&header](int at) {
-        return static_cast<std::int32_t>(std::uint32_t{header[at]} << 24 | header[at + 1] << 16 |
-                                         header[at + 2] << 8 | header[at + 3]);
-    };
-    if (number(68) != application_id)
-        return Error{"belongs to another program; it is left as it is"};
-    if (number(60) != version && number(60) != 1)
-        return Error{fmt::format("was written by another version of Seaway (its layout is {}, this "
-                                 "one reads {}); it is left as it is",
-                                 number(60), version)};
-    return {};
-}
-
-/// Where the journal itself is gone, what lies beside it would be played into a new one.
-Result<void> check_no_rest(const std::string& path) {
-    for (const char* part : {"-wal", "-shm", "-journal"})
-        if (std::error_code none; std::filesystem::symlink_status(path + part, none).type() !=
-                                  std::filesystem::file_type::not_found)
-            return Error{
-                fmt::format("is missing, but its {} is there: bring back the journal that it "
-                            "belongs to, or give another folder",
-                            path.substr(path.rfind('/') + 1) + part)};
-    return {};
-}
-
 std::string parent_of(const std::string& folder) {
     const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
     return (whole.has_filename() ? whole : whole.parent_path()).parent_path().string();
@@ -219,8 +182,8 @@ Result<std::unique_ptr<SqliteJournal>> SqliteJournal::try_open(const std::string
     if (!there)
         if (const Result<void> made = create(folder, journal->path_, beginning); !made)
             return journal->not_opened(made.error(), "cannot be made: ");
-    if (const Result<void> fine = check_header(journal->path_); !fine)
-        return journal->wrong(fine.error().message);
+    if (const Result<void> fine = check_journal_header(journal->path_); !fine)
+        return journal->not_opened(fine.error());
     if (const Result<void> opened = journal->open_file(); !opened)
         return journal->not_opened(opened.error());
     journal->file_ = file_identity(journal->path_);
@@ -279,6 +242,11 @@ Result<void> SqliteJournal::open_file() {
         SEAWAY_TRY_LET(const bool row, mode.step());
         if (!row || mode.text(0) != "wal")
             return Error{"cannot be written with a log ahead: " + mode.text(0)};
+    }
+    if (const Result<void> writes = run(opened, "BEGIN IMMEDIATE; ROLLBACK"); !writes) {
+        Error error = writes.error();
+        error.message += ": whose are it, what lies beside it (-wal, -shm) and its folder?";
+        return error;
     }
     SEAWAY_TRY(read_when_made());
     sqlite3* reader = nullptr;
@@ -342,7 +310,7 @@ Result<void> SqliteJournal::look_through() {
 
 Result<void> SqliteJournal::read_when_made() {
     SEAWAY_TRY_LET(const std::int64_t says, first_number(database_.get(), "PRAGMA user_version"));
-    if ((says_when_made_ = says == version)) {
+    if ((says_when_made_ = says == journal_version)) {
         SEAWAY_TRY_LET(made_utc_us_, first_number(database_.get(), when_last_made));
     }
     return {};
@@ -354,8 +322,16 @@ Result<void> SqliteJournal::say_when_made() {
         return {};
     SEAWAY_TRY(run(database_.get(), add_when_made));
     says_when_made_ = true;
-    (void)run(database_.get(), "PRAGMA wal_checkpoint(TRUNCATE)"); // else the next close does
+    empty_log();
     return {};
+}
+
+/// Into the file itself, where damage is found: of the log SQLite takes what is whole and passes over the rest. Where another program
+/// reads, the next change does, or the end.
+void SqliteJournal::empty_log() {
+    sqlite3_busy_timeout(database_.get(), 0); // nobody waits for who reads
+    (void)run(database_.get(), "PRAGMA wal_checkpoint(TRUNCATE)");
+    sqlite3_busy_timeout(database_.get(), busy_wait_ms);
 }
 
 void SqliteJournal::hold(const SeaChange& last) {
@@ -388,7 +364,12 @@ Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch, std::si
 /// What was written whole before the disk failed to keep it stands in the log of the file, and would be found there by who
 /// opens it after this process was killed. So it is written over; where that fails, too, nobody knows.
 Error SqliteJournal::undone(Error why) {
-    if (sqlite3_extended_errcode(database_.get()) != SQLITE_IOERR_FSYNC)
+    const int code = sqlite3_extended_errcode(database_.get());
+    for (const int before_it_was_whole :
+         {SQLITE_FULL, SQLITE_BUSY, SQLITE_LOCKED, SQLITE_READONLY, SQLITE_CONSTRAINT})
+        if ((code & 0xff) == before_it_was_whole)
+            return why;
+    if (code == SQLITE_IOERR_WRITE)
         return why;
     // Twice: a value that stays as it was is not written.
     const Result<void> over =
@@ -440,6 +421,7 @@ Result<void> SqliteJournal::append(const SeaChange& change) {
     sum_ = sum;
     made_utc_us_ = now_utc_us;
     hold(change);
+    empty_log();
     return {};
 }
 

@@ -55,6 +55,7 @@ class SqliteJournal final : public Journal {
     Result<void> look_through();
     Result<void> read_when_made();
     Result<void> say_when_made();
+    void empty_log();
     void hold(const SeaChange& last);
     Result<void> check_clock(std::int64_t now_utc_us) const;
     Error wrong(const std::string& why) const;

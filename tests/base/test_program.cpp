@@ -3,13 +3,18 @@
 #include "base/standard_files.h"
 #include "base/stop_wanted.h"
 
+#include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <string>
 #include <thread>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
+
+#include "tests/support/folder.h"
 
 namespace seaway {
 namespace {
@@ -61,6 +66,23 @@ TEST(StandardFiles, that_are_closed_are_not_those_that_are_opened_next) {
             const bool fails =
                 ::write(STDERR_FILENO, "x", 1) < 0 && ::read(STDIN_FILENO, &byte, 1) < 0;
             _exit(next > STDERR_FILENO && fails ? 7 : 8);
+        },
+        ::testing::ExitedWithCode(7), "");
+}
+
+// Naive: the system ends a program whose file grows beyond `ulimit -f`, sessions and all.
+TEST(StandardFiles, a_limit_on_the_size_of_files_is_an_error_of_who_writes) {
+    const std::string path = tests::folder().file("limited");
+    EXPECT_EXIT(
+        {
+            hold_standard_files();
+            rlimit limit{};
+            limit.rlim_cur = limit.rlim_max = 10;
+            setrlimit(RLIMIT_FSIZE, &limit);
+            const int file = open(path.c_str(), O_RDWR | O_CREAT, 0600);
+            const bool part = ::write(file, "0123456789abc", 13) == 10;
+            const bool none = ::write(file, "abc", 3) < 0 && errno == EFBIG;
+            _exit(part && none ? 7 : 8);
         },
         ::testing::ExitedWithCode(7), "");
 }

@@ -62,6 +62,18 @@ TEST(WholeFile, says_beforehand_whether_it_could_be_written_and_leaves_nothing) 
                 HasSubstr("No such file"));
 }
 
+// Naive: who has left a link under the name of a half file gets another file written over.
+TEST(WholeFile, is_not_written_through_a_link) {
+    const std::string path = tests::folder().file("linked.txt"),
+                      victim = tests::folder().file("victim.txt");
+    ASSERT_TRUE(write_whole_file(victim, "mine"));
+    std::filesystem::create_symlink(victim, path + ".part");
+    ASSERT_TRUE(write_whole_file(path, "new"));
+    EXPECT_EQ(tests::read_file(victim), "mine");
+    EXPECT_EQ(tests::read_file(path), "new");
+    EXPECT_FALSE(std::filesystem::is_symlink(path));
+}
+
 TEST(WholeFile, replaces_nothing_but_files) {
     const std::string folder = tests::folder().file("folder");
     std::filesystem::create_directories(folder);

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/bound_to_float.h"
 #include "server/host/refusal.h"
 #include "server/map_source.h"
 #include "server/world.h"
@@ -97,6 +98,24 @@ TEST(World, everybody_is_told_once_of_a_sea_that_somebody_has_asked_about_alread
     EXPECT_EQ(told.front(), glide);
 }
 
+// Naive: clients take the new time from the next look at the clock, and sample the sea that they were told of until the next one is told.
+TEST(World, where_the_clock_leaps_over_a_change_nobody_is_told_of_it_is_not_sure_until_it_is_told) {
+    TimeUs now_us = 0;
+    SeaClock clock(
+        0, [&now_us] { return now_us; }, [] { return 0; });
+    World world(changing_course(1), clock);
+    EXPECT_EQ(world.sea_time().unsure_us, 0);
+    now_us = 50'000'000; // before it
+    EXPECT_EQ(world.sea_time().unsure_us, 0);
+    now_us = 3'600'000'000;
+    const sea::SeaTime leapt = world.sea_time();
+    EXPECT_EQ(leapt.sea_us, now_us);
+    // Since before its first change begins, by which a client no longer takes for told what it holds.
+    EXPECT_GT(leapt.unsure_us, now_us - 100'000'000 + World::announced_ahead_us / 2);
+    (void)world.announce_due();
+    EXPECT_EQ(world.sea_time().unsure_us, 0);
+}
+
 // Naive: it counts as told before it is, and is never told again.
 TEST(World, of_a_sea_that_could_not_be_told_for_want_of_memory_all_are_told_next_time) {
     TimeUs now_us = 0;
@@ -176,7 +195,7 @@ TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_
                                            {1e6, 4u}}) {
             const Demand grant = granted(1u, heights, wish_m, compact);
             EXPECT_EQ(grant.quality, rung + (compact ? 5u : 0u)) << wish_m;
-            EXPECT_EQ(grant.error_m, static_cast<float>(rung_m[rung])) << wish_m;
+            EXPECT_EQ(grant.error_m, bound_to_float(rung_m[rung])) << wish_m;
         }
     }
 }

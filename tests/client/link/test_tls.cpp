@@ -74,6 +74,8 @@ TEST(Tls, a_certificate_for_another_name_is_refused) {
     const auto client = Client::connect({.url = net->url(), .ca_file = certificate.cert_file});
     ASSERT_FALSE(client);
     EXPECT_EQ(failure_of(client.error()), Failure::cannot_connect);
+    EXPECT_NE(client.error().message.find("of another name"), std::string::npos)
+        << client.error().message;
 }
 
 TEST(Tls, ws_to_a_tls_port_and_wss_to_a_plain_one_cannot_connect) {

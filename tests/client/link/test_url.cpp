@@ -67,7 +67,11 @@ INSTANTIATE_TEST_SUITE_P(
                       Wrong{"ws://[::1", "']'"}, Wrong{"ws://[::1]80", "after ']'"},
                       Wrong{"ws://[a]:80", "IPv6"}, Wrong{"ws://[[::1]", "once"},
                       Wrong{"ws://a[b]:80", "once"}, Wrong{"ws://me:secret@a", "token"},
-                      Wrong{"ws://a b", "blanks"}, Wrong{"ws://a/\r\nX: y", "control"}));
+                      Wrong{"ws://a b", "blanks"},
+                      Wrong{"ws://b\xc3\xbc"
+                            "cher.example",
+                            "xn--"},
+                      Wrong{"ws://a/\r\nX: y", "control"}));
 
 } // namespace
 } // namespace seaway::client

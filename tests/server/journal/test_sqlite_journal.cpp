@@ -172,15 +172,22 @@ TEST(SqliteJournal, is_no_link_to_that_of_another_folder) {
     EXPECT_NE(error_of(other).find("is a link"), std::string::npos) << error_of(other);
 }
 
-/// A journal with `changes` of them, as it lies there after a crash: main file and write-ahead log.
+/// A journal with `changes` of them, as it lies there after a crash: main file and write-ahead log, which another program that reads
+/// has kept from being emptied.
 std::string crashed_folder(std::uint32_t changes) {
     const std::string folder = fresh_folder(), copy = fresh_folder();
     auto journal = SqliteJournal::open(folder, beginning).value();
+    sqlite3* reader = nullptr;
+    EXPECT_EQ(sqlite3_open((folder + "/journal.sqlite").c_str(), &reader), SQLITE_OK);
+    EXPECT_EQ(
+        sqlite3_exec(reader, "BEGIN; SELECT count(*) FROM changes", nullptr, nullptr, nullptr),
+        SQLITE_OK);
     for (std::uint32_t epoch = 2; epoch <= changes; ++epoch)
         EXPECT_TRUE(journal->append(change(epoch)));
     fs::create_directory(copy);
     for (const char* part : {"", "-wal"})
         fs::copy_file(folder + "/journal.sqlite" + part, copy + "/journal.sqlite" + part);
+    sqlite3_close(reader);
     return copy;
 }
 
@@ -207,6 +214,24 @@ TEST(SqliteJournal, cut_off_in_its_last_write_it_holds_all_changes_before) {
     }
     EXPECT_EQ(least, 1u);
     EXPECT_GE(most, 3u);
+}
+
+// Naive: acknowledged changes stay in the log, where damage to one ends what SQLite takes of all that follow, without a word.
+TEST(SqliteJournal, an_acknowledged_change_does_not_hang_on_its_log) {
+    const std::string folder = fresh_folder();
+    auto journal = SqliteJournal::open(folder, beginning).value();
+    for (std::uint32_t epoch = 2; epoch <= 6; ++epoch)
+        ASSERT_TRUE(journal->append(change(epoch)));
+    for (const std::string& log : {std::string(), std::string(20'000, 'x'), std::string("gone")}) {
+        const std::string crashed = fresh_folder(); // a process that was killed leaves both
+        fs::create_directory(crashed);
+        fs::copy_file(folder + "/journal.sqlite", crashed + "/journal.sqlite");
+        if (log != "gone")
+            write(crashed + "/journal.sqlite-wal", log);
+        auto again = SqliteJournal::open(crashed, beginning);
+        ASSERT_TRUE(again) << again.error().message;
+        EXPECT_EQ((*again)->since(0).value().size(), 6u) << log.size();
+    }
 }
 
 TEST(SqliteJournal, damaged_or_cut_off_it_is_named_and_left_as_it_is) {

@@ -2,12 +2,14 @@
 #include "tools/bench/accuracy/journal.h"
 
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/text_file.h"
 #include "gpu/device_info.h"
 #include "server/device/device_choice.h"
 #include "tools/commit.h"
@@ -92,9 +94,13 @@ namespace {
 
 Result<Kept> read_kept(const std::string& path, const std::string& settings) {
     Kept kept;
+    if (std::error_code none; !std::filesystem::exists(std::filesystem::symlink_status(path, none)))
+        return kept;
+    if (const Result<void> regular = check_regular_file(path); !regular)
+        return Error{fmt::format("{} {}", path, regular.error().message)};
     std::ifstream file(path);
     if (!file)
-        return kept;
+        return Error{fmt::format("{} cannot be read, and holds what an earlier run found", path)};
     std::string line;
     if (!std::getline(file, line))
         return kept;
