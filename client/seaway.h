@@ -94,8 +94,8 @@ typedef struct seaway_connect_options {
     const char* name;    /* for the server's log; 1024 bytes at most, as the token */
     const char* token;   /* if the server asks for one */
     const char* ca_file; /* certificates (PEM) to trust besides the system's, for wss */
-    /* For connecting until the sea is known, and a second more at most; up to 86400, 0: 5. But a host's name is looked up for as long as the
-     * system takes for it. */
+    /* For connecting until the sea is known, and a second more at most; up to 86400, 0: 5. The look-up of the host's name is in it: where
+     * a name server does not answer, systems take 5 s for it, so that more is needed. Threadless it takes as long as the system takes. */
     double timeout_s;
     uint32_t stays_lost; /* 1: a connection that has ended does not come back */
     uint32_t threadless; /* 1: the library makes no thread, see below */
@@ -120,8 +120,8 @@ typedef struct seaway_connect_options {
 seaway_code seaway_connect(const char* url, const seaway_connect_options* options,
                            seaway_client** client);
 
-/* Ends the connection and frees the client. NULL is allowed. Blocks a second at most; while an attempt to come back looks up the
- * host's name, for as long as the system takes for it. */
+/* Ends the connection and frees the client. NULL is allowed. Blocks a second at most; threadless, while an attempt to come back looks up
+ * the host's name, for as long as the system takes for it. A thread that looks one up is left behind and ends when the system has answered. */
 void seaway_disconnect(seaway_client* client);
 
 /* 1 while the connection stands, else 0; seaway_get_status says more. */

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -12,6 +13,7 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/post.hpp>
 #include <dlfcn.h>
@@ -19,6 +21,7 @@
 
 #include "base/quiet_thread.h"
 #include "base/thread_name.h"
+#include "base/undo.h"
 
 namespace seaway::sockets {
 
@@ -60,10 +63,60 @@ struct NameLookup::Asked {
                     due(found);
             });
     }
+    bool has_left() {
+        const std::scoped_lock lock(mutex);
+        return loop == nullptr;
+    }
     Done take() {
         const std::scoped_lock lock(mutex);
         return loop != nullptr ? std::exchange(done, nullptr) : nullptr;
     }
+};
+
+/// Who waits for which name. Of each name one look-up is under way, however often it is asked for: one that hangs keeps one thread.
+class NameLookup::UnderWay {
+  public:
+    using Name = std::pair<std::string, std::string>; ///< host and port
+    using Waiting = std::vector<std::shared_ptr<Asked>>;
+
+    /// Never destroyed: threads outlive main().
+    static UnderWay& all() {
+        static auto* const all = new UnderWay;
+        return *all;
+    }
+    /// True: it is the first, and has to be looked up.
+    bool add(const Name& name, const std::shared_ptr<Asked>& asked) {
+        const std::scoped_lock lock(mutex_);
+        const auto [at, first] = waiting_.try_emplace(name);
+        Undo no_room([&, at = at, first = first] {
+            if (first)
+                waiting_.erase(at);
+        });
+        std::erase_if(at->second, [](const auto& one) { return one->has_left(); });
+        at->second.push_back(asked);
+        no_room.keep();
+        return first;
+    }
+    /// It has been looked up.
+    void tell(const Name& name, const Result<Endpoints>& found) noexcept {
+        for (const std::shared_ptr<Asked>& one : take(name))
+            try {
+                Asked::tell(one, found);
+            } catch (const std::bad_alloc&) { // who asked has a deadline
+            }
+    }
+
+  private:
+    Waiting take(const Name& name) noexcept {
+        const std::scoped_lock lock(mutex_);
+        const auto found = waiting_.find(name);
+        Waiting waiting = std::move(found->second);
+        waiting_.erase(found);
+        return waiting;
+    }
+
+    std::mutex mutex_;
+    std::map<Name, Waiting> waiting_;
 };
 
 NameLookup::NameLookup(asio::io_context& loop) : asked_(std::make_shared<Asked>()) {
@@ -79,15 +132,24 @@ void NameLookup::begin(const std::string& host, const std::string& port, Done do
     asked_->done = std::move(done);
     if (auto known = address(host, port))
         return Asked::tell(asked_, *std::move(known));
+    const UnderWay::Name name(host, port);
+    if (!UnderWay::all().add(name, asked_))
+        return;
     keep_this_library();
     const QuietThreads quiet;
-    std::thread([asked = asked_, host, port]() noexcept {
+    Undo nobody_looks([&] {
+        (void)asked_->take(); // who asks is told by what is thrown
+        UnderWay::all().tell(name, Error{"the system gives no thread"});
+    });
+    std::thread([name]() noexcept {
         name_thread("sea-lookup");
         try {
-            Asked::tell(asked, now(host, port));
-        } catch (const std::bad_alloc&) { // who asked has a deadline
+            UnderWay::all().tell(name, now(name.first, name.second));
+        } catch (const std::bad_alloc&) {
+            UnderWay::all().tell(name, Error{"no memory"}); // short enough to take none
         }
     }).detach();
+    nobody_looks.keep();
 }
 
 Result<NameLookup::Endpoints> NameLookup::now(const std::string& host, const std::string& port) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // NameLookup: the addresses of a name, looked up on a thread that nobody waits for. The system may take half a minute and cannot
-// be called off: who asks Asio instead waits for it when its context goes.
+// be called off: who asks Asio instead waits for it when its context goes. Of one name one look-up is under way in a process,
+// whoever asks meanwhile: who tries again and again beside a system that hangs keeps one thread.
 #pragma once
 
 #include <functional>
@@ -36,6 +37,7 @@ class NameLookup {
 
   private:
     struct Asked;
+    class UnderWay;
     const std::shared_ptr<Asked> asked_; ///< shared with the thread
 };
 

@@ -92,7 +92,8 @@ class SocketStream final : public MessageStream {
             io_.stop();
             return cannot_connect(
                 stopped ? "given up by this client"
-                        : fmt::format("no answer in {} s", options_.connect_timeout_s));
+                        : fmt::format("{} in {} s", named_ ? "no answer" : "the name was not found",
+                                      options_.connect_timeout_s));
         }
         return result.get();
     }
@@ -221,6 +222,7 @@ class SocketStream final : public MessageStream {
     }
 
     void connect_to(const sockets::Socket::Endpoints& endpoints) {
+        named_ = true;
         ws_.socket().expires_after(to_milliseconds(options_.connect_timeout_s));
         ws_.socket().connect(endpoints, [this](error_code problem) {
             if (problem)
@@ -395,6 +397,7 @@ class SocketStream final : public MessageStream {
     std::string goodbye_;
     std::string why_not_written_;
     std::atomic<bool> closing_ = false;
+    std::atomic<bool> named_ = false; ///< addresses of the host's name are there
     std::atomic<std::size_t> waiting_bytes_ = 0;
     std::promise<Result<void>> opened_;
     std::promise<void> over_promise_;
