@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocol/limits.h"
 #include "server/world.h"
 
 namespace seaway::server {
@@ -89,10 +90,14 @@ sea::SeaTime World::sea_time() const {
         time.unsure_us = std::max<std::int64_t>(now_us - since_us, 1);
     // The clock has leapt, or the process stood still: the sea that runs by now is told of in a moment. Clients take it that they are
     // told of a change some time before it begins.
-    if (const sea::TimeUs untold_us = moment.now_us - told_until_us_; untold_us >= 0)
-        time.unsure_us = std::max<std::int64_t>(
-            time.unsure_us,
-            untold_us * sea::pace_unit / std::max(moment.pace_permille, 1) + announced_ahead_us);
+    if (const sea::TimeUs told_us = told_until_us_; moment.now_us >= told_us) {
+        const double untold_us = static_cast<double>(moment.now_us - told_us) * sea::pace_unit /
+                                 std::max(moment.pace_permille, 1);
+        constexpr auto most_us = static_cast<double>(protocol::limits::unsure_us_max);
+        time.unsure_us =
+            std::max(time.unsure_us,
+                     static_cast<sea::TimeUs>(std::min(untold_us + announced_ahead_us, most_us)));
+    }
     return time;
 }
 

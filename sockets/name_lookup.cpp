@@ -139,14 +139,14 @@ void NameLookup::begin(const std::string& host, const std::string& port, Done do
     const QuietThreads quiet;
     Undo nobody_looks([&] {
         (void)asked_->take(); // who asks is told by what is thrown
-        UnderWay::all().tell(name, Error{"the system gives no thread"});
+        UnderWay::all().tell(name, Error{"no thread"});
     });
     std::thread([name]() noexcept {
         name_thread("sea-lookup");
         try {
             UnderWay::all().tell(name, now(name.first, name.second));
         } catch (const std::bad_alloc&) {
-            UnderWay::all().tell(name, Error{"no memory"}); // short enough to take none
+            UnderWay::all().tell(name, Error{"no memory"}); // these texts take none
         }
     }).detach();
     nobody_looks.keep();

@@ -213,16 +213,15 @@ void Socket::connect_tls(const std::string& host, Done done) {
     tls.async_handshake(asio::ssl::stream_base::client, streams_->kept_until(std::move(done)));
 }
 
-std::string Socket::why_untrusted() const {
-    if (!streams_->tls)
-        return {};
-    const long found = SSL_get_verify_result(streams_->tls->native_handle());
+std::string Socket::words_of(const error_code& failed) const {
+    const long found =
+        streams_->tls ? SSL_get_verify_result(streams_->tls->native_handle()) : X509_V_OK;
     if (found == X509_V_OK)
-        return {};
+        return failed.message();
     // All is well with it by itself.
     if (found == X509_V_ERR_UNSPECIFIED || found == X509_V_ERR_APPLICATION_VERIFICATION)
-        return "the certificate is of another name";
-    return X509_verify_cert_error_string(found);
+        return failed.message() + ": the certificate is of another name";
+    return failed.message() + ": " + X509_verify_cert_error_string(found);
 }
 
 void Socket::expires_after(std::chrono::milliseconds patience) {

@@ -89,8 +89,8 @@ class Socket {
     void accept_tls(Done done);
     /// The client's part, which holds the host's name against the certificate; only where has_tls().
     void connect_tls(const std::string& host, Done done);
-    /// What is wrong with the certificate that the peer showed; empty: nothing, or it showed none.
-    std::string why_untrusted() const;
+    /// What connect_tls() has failed by, in words: also what is wrong with the certificate that the peer showed.
+    std::string words_of(const error_code& failed) const;
 
     /// What is under way, or begins before this is called again, ends with beast::error::timeout.
     void expires_after(std::chrono::milliseconds patience);

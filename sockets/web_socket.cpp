@@ -74,8 +74,8 @@ struct WebSocket::Impl {
     /// Nothing follows the peer's closing frame but the end of TCP, which may be lost on its way.
     void ends_soon() {
         farewell.expires_after(farewell_patience);
-        farewell.async_wait([this](error_code gone) {
-            if (!gone)
+        farewell.async_wait([this, there = std::weak_ptr(this_is_there)](error_code gone) {
+            if (!gone && !there.expired())
                 stream.next_layer().close();
         });
     }
@@ -85,6 +85,8 @@ struct WebSocket::Impl {
     beast::flat_buffer buffer;
     websocket::response_type response; ///< of a server
     asio::steady_timer farewell;
+    const std::shared_ptr<int> this_is_there =
+        std::make_shared<int>(); ///< a timer that is due outlives it
 };
 
 WebSocket::WebSocket(Socket socket, const WebSocketOptions& options)
@@ -142,8 +144,10 @@ void WebSocket::read(std::function<void(Result<Message>)> done) {
         impl.buffer.shrink_to_fit();
     impl.stream.async_read(
         impl.buffer, [&impl, done = std::move(done)](error_code error, std::size_t) {
-            if (error)
+            if (error) {
+                impl.farewell.cancel();
                 return done(Error{kind_of(error), error.message()});
+            }
             const auto data = impl.buffer.cdata();
             done(Message{{static_cast<const std::uint8_t*>(data.data()), data.size()},
                          impl.stream.got_binary()});

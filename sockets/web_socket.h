@@ -75,7 +75,7 @@ class WebSocket {
     /// Sends the closing frame and waits for the peer's. Reasons are cut at what a frame holds.
     void close(const Close& why, std::function<void()> done);
 
-    /// What the peer's closing frame said; code 0: none came. Where TCP does not end within a second of it, read() ends as `broken`.
+    /// What the peer's closing frame said; code 0: none came, or one without a code. Where TCP does not end within a second of it, read() ends as `broken`.
     Close peer_close() const;
     Socket& socket();
 

@@ -37,7 +37,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds tick_interval{50};
 constexpr milliseconds close_patience{1000};
 constexpr milliseconds work_at_once_max{10}; ///< of a call that does not wait
-constexpr milliseconds reads_first_max{200};
+constexpr milliseconds reads_first_max{200}, reads_first_looks{5};
 constexpr std::chrono::seconds idle_timeout{30};
 constexpr unsigned normal_closure = 1000; // RFC 6455, 7.4.1
 
@@ -231,12 +231,8 @@ class SocketStream final : public MessageStream {
             if (!url_.tls)
                 return shake_hands();
             ws_.socket().connect_tls(url_.host, [this](error_code refused) {
-                if (refused) {
-                    const std::string untrusted = ws_.socket().why_untrusted();
-                    return opened(
-                        cannot_connect(fmt::format("TLS: {}{}{}", refused.message(),
-                                                   untrusted.empty() ? "" : ": ", untrusted)));
-                }
+                if (refused)
+                    return opened(cannot_connect("TLS: " + ws_.socket().words_of(refused)));
                 shake_hands();
             });
         });
@@ -269,7 +265,7 @@ class SocketStream final : public MessageStream {
             if (finished_)
                 return;
             read();
-            write_what_waited();
+            look_what_waits();
         });
     }
 
@@ -301,28 +297,31 @@ class SocketStream final : public MessageStream {
 
     void write() {
         writing_ = !outbox_.empty() && !finished_;
-        if (!writing_)
+        if (!writing_ || reads_first_)
             return;
         // A peer that has said its last word answers with a reset, after which nothing more can be read: so what it said comes
         // first, but for one that never ends.
         if (!ws_.socket().has_unread())
             return write_first();
-        if (std::exchange(reads_first_, true))
-            return;
-        reads_first_timer_.expires_after(reads_first_max);
-        reads_first_timer_.async_wait([this](error_code gone) {
-            if (!gone && std::exchange(reads_first_, false) && !finished_)
-                write_first();
-        });
+        reads_first_ = true;
+        reads_first_until_ = std::chrono::steady_clock::now() + reads_first_max;
+        look_what_waits();
     }
 
-    /// After what was read: what waited for it, if no more is there.
-    void write_what_waited() {
-        if (!reads_first_ || finished_ || ws_.socket().has_unread())
+    /// After what was read, and now and then: pings and parts of messages end no read.
+    void look_what_waits() {
+        if (!reads_first_ || finished_)
             return;
-        reads_first_ = false;
-        reads_first_timer_.cancel();
-        write_first();
+        if (!ws_.socket().has_unread() || std::chrono::steady_clock::now() >= reads_first_until_) {
+            reads_first_ = false;
+            reads_first_timer_.cancel();
+            return write_first();
+        }
+        reads_first_timer_.expires_after(reads_first_looks);
+        reads_first_timer_.async_wait([this](error_code gone) {
+            if (!gone)
+                look_what_waits();
+        });
     }
 
     void write_first() {
@@ -388,6 +387,7 @@ class SocketStream final : public MessageStream {
     asio::steady_timer ticker_;
     asio::steady_timer reads_first_timer_;
     bool reads_first_ = false; ///< a write waits until what is there has been read
+    std::chrono::steady_clock::time_point reads_first_until_;
     std::deque<protocol::Bytes> outbox_;
     bool writing_ = false;
     bool answered_ = false; ///< opened_ has its value

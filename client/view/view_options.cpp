@@ -123,7 +123,7 @@ Result<void> check_frames(const ViewOptions& options) {
         std::max(options.frame(options.frames - 1), options.bench_frames - 1));
     return require(options.time_s.value_or(0) + last_s <= time_max_s,
                    fmt::format("--frames {}: the last is {} s after --time {}; sea time ends at "
-                               "{} s",
+                               "{:g} s",
                                options.frames, last_s, options.time_s.value_or(0), time_max_s));
 }
 

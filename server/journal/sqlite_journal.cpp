@@ -243,7 +243,9 @@ Result<void> SqliteJournal::open_file() {
         if (!row || mode.text(0) != "wal")
             return Error{"cannot be written with a log ahead: " + mode.text(0)};
     }
-    if (const Result<void> writes = run(opened, "BEGIN IMMEDIATE; ROLLBACK"); !writes) {
+    // What passes is met by the next change.
+    if (const Result<void> writes = run(opened, "BEGIN IMMEDIATE; ROLLBACK");
+        !writes && !writes.error().is(JournalError::unreachable)) {
         Error error = writes.error();
         error.message += ": whose are it, what lies beside it (-wal, -shm) and its folder?";
         return error;
@@ -365,11 +367,7 @@ Result<std::vector<SeaChange>> SqliteJournal::since(std::uint32_t epoch, std::si
 /// opens it after this process was killed. So it is written over; where that fails, too, nobody knows.
 Error SqliteJournal::undone(Error why) {
     const int code = sqlite3_extended_errcode(database_.get());
-    for (const int before_it_was_whole :
-         {SQLITE_FULL, SQLITE_BUSY, SQLITE_LOCKED, SQLITE_READONLY, SQLITE_CONSTRAINT})
-        if ((code & 0xff) == before_it_was_whole)
-            return why;
-    if (code == SQLITE_IOERR_WRITE)
+    if ((code & 0xff) != SQLITE_IOERR || code == SQLITE_IOERR_WRITE) // before it was whole
         return why;
     // Twice: a value that stays as it was is not written.
     const Result<void> over =

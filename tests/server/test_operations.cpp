@@ -305,13 +305,17 @@ TEST(Threads, have_names_that_say_what_they_do) {
     tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
                                  "127.0.0.1:0", "--data-dir", journal, "--io-threads", "2"});
     ASSERT_FALSE(server.wait_until_ready().empty()) << server.log();
-    std::set<std::string> names;
-    for (const auto& thread :
-         std::filesystem::directory_iterator("/proc/" + std::to_string(server.pid()) + "/task"))
-        names.insert(tests::status_of(thread.path(), "Name"));
+    const auto names = [&] {
+        std::set<std::string> all;
+        for (const auto& thread :
+             std::filesystem::directory_iterator("/proc/" + std::to_string(server.pid()) + "/task"))
+            all.insert(tests::status_of(thread.path(), "Name"));
+        return all;
+    };
     for (const char* const name : {"sea-network", "sea-simulation", "sea-answers", "sea-encoder",
                                    "sea-senders", "sea-director", "sea-log"})
-        EXPECT_TRUE(names.contains(name)) << name << " of " << testing::PrintToString(names);
+        EXPECT_TRUE(tests::eventually([&] { return names().contains(name); })) // each names itself
+            << name << " of " << testing::PrintToString(names());
 }
 
 TEST(MemoryBudget, one_that_the_scene_does_not_fit_into_is_refused_with_the_least_there_is) {

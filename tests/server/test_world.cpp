@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "base/bound_to_float.h"
 #include "server/host/refusal.h"
 #include "server/map_source.h"
 #include "server/world.h"
@@ -116,6 +115,15 @@ TEST(World, where_the_clock_leaps_over_a_change_nobody_is_told_of_it_is_not_sure
     EXPECT_EQ(world.sea_time().unsure_us, 0);
 }
 
+// Naive: of a sea to which nothing will ever come, the time until then is a number beyond all others.
+TEST(World, before_sea_time_0_and_at_the_end_of_all_times_it_is_as_sure_as_ever) {
+    for (const TimeUs now_us : {TimeUs{-5'000'000}, -sea::time_us_max, sea::time_us_max}) {
+        SeaClock clock = stopped_at(now_us);
+        const World world(changing_course(0), clock);
+        EXPECT_EQ(world.sea_time().unsure_us, 0) << now_us;
+    }
+}
+
 // Naive: it counts as told before it is, and is never told again.
 TEST(World, of_a_sea_that_could_not_be_told_for_want_of_memory_all_are_told_next_time) {
     TimeUs now_us = 0;
@@ -195,7 +203,7 @@ TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_
                                            {1e6, 4u}}) {
             const Demand grant = granted(1u, heights, wish_m, compact);
             EXPECT_EQ(grant.quality, rung + (compact ? 5u : 0u)) << wish_m;
-            EXPECT_EQ(grant.error_m, bound_to_float(rung_m[rung])) << wish_m;
+            EXPECT_EQ(grant.error_m, static_cast<float>(rung_m[rung])) << wish_m;
         }
     }
 }

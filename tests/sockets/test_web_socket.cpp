@@ -288,8 +288,6 @@ TEST_F(WebSocketTest, a_client_says_which_program_it_is_and_what_it_wants) {
     EXPECT_NE(request.find("Host: here\r\n"), std::string::npos) << request;
 }
 
-// One kind of patience is for the handshake, the other for a peer that falls silent after it. The one that
-// does not count is longer than the test waits.
 // Naive: what ends TCP may be lost on its way, and until then, for as long as one is patient with silence, the connection stands.
 TEST_F(WebSocketTest, a_peer_that_has_said_its_last_word_is_not_waited_for) {
     ServedWebSocket& far = accept("a.v1");
@@ -307,6 +305,8 @@ TEST_F(WebSocketTest, a_peer_that_has_said_its_last_word_is_not_waited_for) {
     EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(8));
 }
 
+// One kind of patience is for the handshake, the other for a peer that falls silent after it. The one that
+// does not count is longer than the test waits.
 TEST(WebSocketPatience, of_the_handshake_and_of_silence_are_two) {
     constexpr auto short_one = std::chrono::milliseconds(100);
     constexpr auto long_one = std::chrono::hours(1);

@@ -170,7 +170,7 @@ Result<void> validate(const BakeOptions& options) {
     const double last_s = start_s + options.rate.offset_s(options.first + options.frames - 1);
     if (!(std::abs(start_s) <= time_max_s && last_s <= time_max_s))
         return refused(fmt::format("--start {} --frames {} --fps {}: frames from {} to {} s; "
-                                   "allowed: {} .. {} s",
+                                   "allowed: {:g} .. {:g} s",
                                    start_s, options.frames, options.rate.text(), start_s, last_s,
                                    -time_max_s, time_max_s));
     if (options.fields.empty())
