@@ -88,8 +88,8 @@ typedef struct seaway_grant {
     uint32_t fields;
     uint32_t cascades;
     uint32_t size_max; /* 0: maps are not cut */
-    /* Bound on height that these tiles give on level water, all parts together. Answers state their own: on slopes more, in a gale
-     * one of twenty, as displacements are off, too. */
+    /* Bound on height that these tiles give on level water, all parts together. Answers state their own: on slopes more, as displacements
+     * are off, too, and up to a quarter more while a stream begins, until differences to what was sent before have settled (a second). */
     double error_m;
     double rate_hz_max; /* 0: all there are */
     uint32_t credit;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/bound_to_float.h"
+
 namespace seaway::server {
 
 namespace {
@@ -253,8 +255,9 @@ Demand grant_of(const Demand& wish, Budgets budgets, FieldSet offered,
     }
     if (is_coarser(granted.quality))
         state_coarser(granted, wish, budgets, rung);
-    granted.error_m = static_cast<float>(error_m(budgets, rung, wish.cascades));
-    if (wish.error_m > 0 && granted.error_m > wish.error_m)
+    const double bound_m = error_m(budgets, rung, wish.cascades);
+    granted.error_m = bound_to_float(bound_m);
+    if (wish.error_m > 0 && static_cast<float>(bound_m) > wish.error_m) // 0.01 is as fine as 0.01
         say(granted.why,
             fmt::format("heights within {:.3g} m are the finest of {}", granted.error_m,
                         is_coarser(granted.quality) ? "such maps" : "this sea"));

@@ -13,6 +13,7 @@
 
 #include "client/seaway.hpp"
 #include "client/seaway_engine.h"
+#include "tests/support/eventually.h"
 #include "tests/support/server_process.h"
 
 namespace seaway {
@@ -190,8 +191,9 @@ TEST_F(EngineDraws, the_foam_that_it_samples) {
     EXPECT_GT(root_mean_square(white), 0.04) << "four parts of a hundred are white";
 }
 
-// Of level water, and the place of the answer is met to 2 % of the budget beside; on slopes displacements count, too.
-TEST_F(EngineDraws, no_more_than_the_grant_states_on_level_water_and_more_on_some_slopes) {
+// Of level water, and the place of the answer is met to 2 % of the budget beside; on slopes displacements count, too. A stream that
+// has just begun is of rates that are as wrong as its heights, and states up to a quarter more until differences have settled.
+TEST_F(EngineDraws, no_more_than_the_grant_states_on_level_water_and_more_on_slopes) {
     seaway_wish wish = SEAWAY_SIZED(seaway_wish);
     seaway_grant grant = SEAWAY_SIZED(seaway_grant);
     wish.error_m = 1;
@@ -200,21 +202,36 @@ TEST_F(EngineDraws, no_more_than_the_grant_states_on_level_water_and_more_on_som
     ASSERT_EQ(seaway_subscribe_to(coarse.handle(), &wish, &grant), SEAWAY_OK)
         << seaway_last_error();
     const double most_m = grant.error_m + 0.02 * sea.at(now_us).height_error_m;
-    int level = 0, steep = 0, beyond = 0;
-    for (const seaway_answer& water : coarse.sample(places(5000, coarse.now_us()))) {
-        if (water.flags != 0)
-            continue;
-        const double slope = std::hypot(water.normal[0], water.normal[1]) / water.normal[2];
-        if (slope < 0.01) {
-            ++level;
-            EXPECT_LE(water.error_m, most_m);
+    struct Stated {
+        int level = 0, steep = 0;
+        double level_most_m = 0, level_sum_m = 0, steep_sum_m = 0;
+    };
+    const auto stated = [&] {
+        Stated now;
+        for (const seaway_answer& water : coarse.sample(places(5000, coarse.now_us()))) {
+            if (water.flags != 0)
+                continue;
+            const double slope = std::hypot(water.normal[0], water.normal[1]) / water.normal[2];
+            if (slope < 0.01) {
+                ++now.level;
+                now.level_sum_m += water.error_m;
+                now.level_most_m = std::max(now.level_most_m, water.error_m);
+            } else if (slope > 0.1) {
+                ++now.steep;
+                now.steep_sum_m += water.error_m;
+            }
         }
-        steep += slope > 0.1;
-        beyond += water.error_m > most_m;
-    }
-    EXPECT_GT(level, 5);
-    EXPECT_GT(beyond, 0) << "a grant is no bound on what answers state";
-    EXPECT_LT(beyond, steep) << "but one on what they state mostly";
+        return now;
+    };
+    EXPECT_LE(stated().level_most_m, 1.25 * most_m);
+    Stated settled;
+    EXPECT_TRUE(tests::eventually([&] {
+        settled = stated();
+        return settled.level > 5 && settled.level_most_m <= most_m;
+    })) << settled.level_most_m
+        << " m where " << most_m << " are granted";
+    ASSERT_GT(settled.steep, 100);
+    EXPECT_GT(settled.steep_sum_m / settled.steep, 1.01 * settled.level_sum_m / settled.level);
 }
 
 // ---- waves that are no modes -----------------------------------------------------------------

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/bound_to_float.h"
 #include "server/host/refusal.h"
 #include "server/map_source.h"
 #include "server/world.h"
@@ -203,7 +204,7 @@ TEST(World, a_grant_is_the_part_of_a_wish_that_the_sea_has_at_the_cheapest_rung_
                                            {1e6, 4u}}) {
             const Demand grant = granted(1u, heights, wish_m, compact);
             EXPECT_EQ(grant.quality, rung + (compact ? 5u : 0u)) << wish_m;
-            EXPECT_EQ(grant.error_m, static_cast<float>(rung_m[rung])) << wish_m;
+            EXPECT_EQ(grant.error_m, bound_to_float(rung_m[rung])) << wish_m;
         }
     }
 }

@@ -125,6 +125,22 @@ TEST(Grants, limits_that_all_there_is_keeps_change_nothing) {
     }
 }
 
+// Naive: a bound is rounded to the nearest float, which half of the time is below it, and not kept by what it was said of.
+TEST(Grants, what_is_granted_is_no_less_than_what_is_kept_and_is_granted_again_to_who_asks_for_it) {
+    for (const char* const scene : {"north_sea_gale.toml", "calm.toml", "hurricane.toml"}) {
+        const server::RunningSeaPtr sea = sea_of_scene(scene);
+        for (const float error_m : {0.01f, 0.02f, 0.05f, 0.1f, 0.2f}) {
+            Demand wish = wish_of({"", true, 0, 0});
+            wish.error_m = error_m;
+            const Demand first = granted(sea, wish);
+            wish.error_m = first.error_m;
+            const Demand again = granted(sea, wish);
+            EXPECT_EQ(again.error_m, first.error_m) << scene << ", asked for " << error_m;
+            EXPECT_EQ(again.quality, first.quality) << scene << ", asked for " << error_m;
+        }
+    }
+}
+
 TEST(Grants, what_is_less_than_the_wish_is_said) {
     const server::RunningSeaPtr sea = sea_of_scene("north_sea_gale.toml");
     const auto why = [&](Demand wish) { return granted(sea, wish).why; };
