@@ -247,7 +247,7 @@ Result<void> SqliteJournal::open_file() {
     if (const Result<void> writes = run(opened, "BEGIN IMMEDIATE; ROLLBACK");
         !writes && !writes.error().is(JournalError::unreachable)) {
         Error error = writes.error();
-        error.message += ": whose are it, what lies beside it (-wal, -shm) and its folder?";
+        error.message += ": who may write it, what lies beside it (-wal, -shm) and its folder?";
         return error;
     }
     SEAWAY_TRY(read_when_made());
