@@ -18,6 +18,8 @@
 //                    what the schedule leads by is not in it
 //   lost             keyframes of which a client saw a newer one of the same cascade, but not them
 //   answer_ms        a single point asked to its answer
+//   age_there_ms, answer_there_ms  the same until the system of the client had it, by its stamps: on cores that
+//                    swarm and server share, a client may wait for one longer than for the server
 //   rss_mb           of the server when measuring began, and how it had changed at the end
 //   messages_a_s     that arrived; answers_a_s: single points answered
 //   load             of the machine, which holds the swarm too: with few cores ages are upper bounds
@@ -195,16 +197,17 @@ bool load(const Options& options, const Scenario& scenario, const std::string& p
     const double cpu_s = after.cpu_s - before.cpu_s;
     const auto of = [](std::uint64_t count) { return static_cast<double>(count); };
     fmt::print("{},{},{},{},{},{},{:.1f},{:.0f},{:.2f},{:.1f},{:.1f},{:.3f},{:.3f},{:.2f},{:.1f},{:"
-               ".1f},{},"
-               "{:.1f},{:.1f},{},{},{:.1f},{:+.1f},{:.1f},{:.0f},{:.0f}\n",
+               ".1f},{:.1f},{},"
+               "{:.1f},{:.1f},{:.1f},{},{},{:.1f},{:+.1f},{:.1f},{:.0f},{:.0f}\n",
                scenario.name, program, round, options.clients, options.stalled, credit, seconds,
                of(sum->keyframes) / seconds,
                of(sum->acks) / of(std::max(sum->keyframes, std::uint64_t{1})),
                of(sum->bytes) / of(std::max(sum->keyframes, std::uint64_t{1})) / 1e3,
                of(sum->bytes) / seconds / 1e6, cpu_s / seconds, busiest_s(before, after) / seconds,
                1e6 * cpu_s / of(std::max(sum->messages, std::uint64_t{1})),
-               sum->age.quantile_ms(0.5), sum->age.quantile_ms(0.99), sum->lost,
-               sum->answer.quantile_ms(0.5), sum->answer.quantile_ms(0.99), sum->refused,
+               sum->age.quantile_ms(0.5), sum->age.quantile_ms(0.99),
+               sum->age_there.quantile_ms(0.99), sum->lost, sum->answer.quantile_ms(0.5),
+               sum->answer.quantile_ms(0.99), sum->answer_there.quantile_ms(0.99), sum->refused,
                sum->ended, before.resident_mb, after.resident_mb - before.resident_mb,
                machine_load(), of(sum->messages) / seconds, of(sum->answer.count()) / seconds);
     std::fflush(stdout);
@@ -291,11 +294,12 @@ int main(int argc, char** argv) {
     options.askers = options.askers < 0 ? chosen.askers : options.askers;
     options.error_m = options.error_m == 0 ? chosen.error_m : options.error_m;
     options.seconds = options.seconds == 0 ? chosen.seconds : options.seconds;
-    fmt::print(
-        "scenario,server,round,clients,stalled,credit,seconds,keyframes_a_s,acks_a_keyframe,"
-        "kb_a_keyframe,mb_a_s,cpu_cores,busiest_cores,us_a_message,age_ms_p50,age_ms_p99,lost,"
-        "answer_ms_p50,answer_ms_p99,refused,ended,rss_mb,rss_grown_mb,load,"
-        "messages_a_s,answers_a_s\n");
+    fmt::print("scenario,server,round,clients,stalled,credit,seconds,keyframes_a_s,acks_a_keyframe,"
+               "kb_a_keyframe,mb_a_s,cpu_cores,busiest_cores,us_a_message,age_ms_p50,age_ms_p99,"
+               "age_there_ms_p99,"
+               "lost,answer_ms_p50,answer_ms_p99,answer_there_ms_p99,refused,ended,rss_mb,rss_"
+               "grown_mb,load,"
+               "messages_a_s,answers_a_s\n");
     std::fflush(stdout);
     bool well = true;
     if (const Target running = target_of(options.attach); running.pid > 0)

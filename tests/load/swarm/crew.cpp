@@ -103,8 +103,10 @@ void Worker::ask(Asker& asker) {
     const double now_s = clock_s();
     if (asker.waits && asker.peer->answers() == asker.asked) {
         asker.waits = false;
-        if (stage_.measure)
+        if (stage_.measure) {
             tally_.answer.add(now_s - asker.asked_s);
+            tally_.answer_there.add(asker.peer->there_s() - asker.asked_s);
+        }
     }
     if (asker.waits || now_s < asker.asked_s + 1 / errand_.asks_a_second)
         return;

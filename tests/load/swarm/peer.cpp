@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/load/swarm/peer.h"
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <ctime>
 #include <string>
 
 #include <arpa/inet.h>
@@ -35,6 +38,7 @@ double clock_s() {
 Peer::Peer(int port, int receive_buffer_bytes) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     const int yes = 1;
     ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    ::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &yes, sizeof yes);
     if (receive_buffer_bytes > 0)
         ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes,
                      sizeof receive_buffer_bytes);
@@ -98,7 +102,7 @@ bool Peer::take(std::vector<std::uint8_t>& scratch, Tally& tally, const Stage& s
     scratch.resize(scratch_bytes);
     const std::size_t before = rest_.size();
     std::copy(rest_.begin(), rest_.end(), scratch.begin());
-    const ssize_t count = ::recv(socket_, scratch.data() + before, scratch.size() - before, how);
+    const ssize_t count = receive(std::span(scratch).subspan(before), how);
     if (count == 0)
         return false;
     if (count < 0)
@@ -108,6 +112,32 @@ bool Peer::take(std::vector<std::uint8_t>& scratch, Tally& tally, const Stage& s
     const std::span<const std::uint8_t> rest = all.subspan(parse(all, tally, stage));
     rest_.assign(rest.begin(), rest.end());
     return true;
+}
+
+/// With the time at which the system had the last of them, which it says by its clock of the day.
+ssize_t Peer::receive(std::span<std::uint8_t> room, int how) {
+    iovec where{.iov_base = room.data(), .iov_len = room.size()};
+    alignas(cmsghdr) std::array<char, 256> words{};
+    msghdr message{};
+    message.msg_iov = &where;
+    message.msg_iovlen = 1;
+    message.msg_control = words.data();
+    message.msg_controllen = words.size();
+    const ssize_t count = ::recvmsg(socket_, &message, how);
+    const double now_s = clock_s();
+    there_s_ = now_s;
+    for (cmsghdr* word = count > 0 ? CMSG_FIRSTHDR(&message) : nullptr; word != nullptr;
+         word = CMSG_NXTHDR(&message, word)) {
+        if (word->cmsg_level != SOL_SOCKET || word->cmsg_type != SCM_TIMESTAMPNS)
+            continue;
+        timespec came{};
+        timespec day{};
+        std::memcpy(&came, CMSG_DATA(word), sizeof came);
+        ::clock_gettime(CLOCK_REALTIME, &day);
+        there_s_ -= static_cast<double>(day.tv_sec - came.tv_sec) +
+                    1e-9 * static_cast<double>(day.tv_nsec - came.tv_nsec);
+    }
+    return count;
 }
 
 /// The bytes of whole frames.
@@ -200,6 +230,7 @@ void Peer::on_keyframe(const wire::Tile& tile, Tally& tally, const Stage& stage)
         const double due_s =
             1e-6 * static_cast<double>(tile.time_us() - interval - sea::publish_lead_us);
         tally.age.add(clock_s() + stage.sea_minus_clock_s - due_s);
+        tally.age_there.add(there_s_ + stage.sea_minus_clock_s - due_s);
     }
     newest = std::max(newest, tile.time_us());
 }

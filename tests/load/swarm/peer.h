@@ -37,12 +37,16 @@ class Peer {
     std::size_t cascades() const { return intervals_us_.size(); }
     std::uint32_t answers() const { return answers_; }        ///< and refusals, of requests
     std::int64_t sea_time_us() const { return sea_time_us_; } ///< of the last Pong or Welcome
+    /// When the last of what take() took had come to this system, as clock_s() says it: who takes it may have
+    /// waited for a processor since.
+    double there_s() const { return there_s_; }
 
   private:
     std::size_t parse(std::span<const std::uint8_t> bytes, Tally& tally, const Stage& stage);
     void on_message(std::span<const std::uint8_t> bytes, Tally& tally, const Stage& stage);
     void on_tile(const wire::Tile& tile, Tally& tally, const Stage& stage);
     void on_keyframe(const wire::Tile& tile, Tally& tally, const Stage& stage);
+    ssize_t receive(std::span<std::uint8_t> room, int how);
     void say_ack(const std::optional<protocol::Bytes>& ack, Tally& tally, const Stage& stage);
 
     int socket_;
@@ -54,6 +58,7 @@ class Peer {
     client::Acknowledgements acknowledgements_;
     std::uint32_t answers_ = 0;
     std::int64_t sea_time_us_ = 0;
+    double there_s_ = 0;
     bool welcomed_ = false;
 };
 

@@ -51,8 +51,10 @@ class Histogram {
 };
 
 struct Tally {
-    Histogram age;    ///< of a whole keyframe, beyond the lead of the schedule
-    Histogram answer; ///< from a single point asked to its answer
+    Histogram age;          ///< of a whole keyframe, beyond the lead of the schedule
+    Histogram age_there;    ///< the same until the system of who reads had it
+    Histogram answer;       ///< from a single point asked to its answer
+    Histogram answer_there; ///< the same until the system of who asked had it
     std::uint64_t keyframes = 0;
     std::uint64_t lost = 0; ///< never seen, though a newer one of their cascade was
     std::uint64_t messages = 0;
@@ -64,7 +66,9 @@ struct Tally {
 
     Tally& operator+=(const Tally& other) {
         age += other.age;
+        age_there += other.age_there;
         answer += other.answer;
+        answer_there += other.answer_there;
         keyframes += other.keyframes;
         lost += other.lost;
         messages += other.messages;

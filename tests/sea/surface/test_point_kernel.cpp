@@ -9,6 +9,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -71,8 +72,9 @@ struct HeldScene {
                         map_error(budget, 0.0), inverse_tolerance_m(budget.height_error_m));
         return {sea, budget, std::move(surface), end_us};
     }
-    static const HeldScene& file(const std::string& name) {
+    static const HeldScene& file(std::string_view called) {
         static std::map<std::string, HeldScene> held;
+        const std::string name(called);
         const auto known = held.find(name);
         if (known != held.end())
             return known->second;

@@ -330,9 +330,9 @@ TEST(SpectrumBuilder, refuses_blocks_of_no_cascade_and_waves_of_no_lattice_by_na
 
 TEST(SpectrumBuilder, knows_the_rate_of_every_wave_of_a_band_as_the_sea_that_was_realised_does) {
     SeaState state = windy_sea();
-    state.systems.push_back(ExplicitModes{.length_m = 77.0, .modes = {{3, 0, 0.1, 0.0}}});
+    state.systems.emplace_back(ExplicitModes{.length_m = 77.0, .modes = {{3, 0, 0.1, 0.0}}});
     // Longer than its tile's band, of which the waves beside it are told to be a part.
-    state.systems.push_back(
+    state.systems.emplace_back(
         ExplicitModes{.length_m = three_cascades[1].length_m, .modes = {{1, 0, 0.1, 0.0}}});
     for (const double loop_s : {0.0, 60.0}) {
         state.loop_period_s = loop_s;

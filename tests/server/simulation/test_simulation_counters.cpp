@@ -88,7 +88,7 @@ TEST(SimulationCounters, waves_that_a_change_gives_by_hand_are_felt_by_who_feels
     const sea::Looking looking{.min_wavelength_m = 0.99 * length_m};
     EXPECT_FALSE(felt_cascades(*bench.course, looking) & 2u);
     sea::Scene given = bench.sea->scene;
-    given.sea.systems.push_back(
+    given.sea.systems.emplace_back(
         sea::ExplicitModes{.length_m = length_m, .modes = {{1, 0, 2.0, 0.0}}});
     ASSERT_TRUE(bench.course->add(given, 10 * second_us, 20 * second_us));
     EXPECT_TRUE(felt_cascades(*bench.course, looking) & 2u);
