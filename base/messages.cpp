@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/messages.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -43,6 +44,23 @@ std::size_t character_bytes(std::string_view text) {
     return 0;
 }
 
+std::string shown_of(std::string_view text, std::size_t bytes_max) {
+    std::string shown;
+    while (!text.empty()) {
+        if (shown.size() >= bytes_max)
+            return shown + " [...]";
+        const std::size_t bytes = character_bytes(text);
+        if (bytes > 0)
+            shown += text.substr(0, bytes);
+        else if (text.front() == '\n')
+            shown += ' ';
+        else
+            shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
+        text.remove_prefix(bytes > 0 ? bytes : 1);
+    }
+    return shown;
+}
+
 } // namespace
 
 bool is_printable(std::string_view text) {
@@ -56,20 +74,13 @@ bool is_printable(std::string_view text) {
 }
 
 std::string printable(std::string_view text) {
-    std::string shown;
-    while (!text.empty()) {
-        if (shown.size() >= printable_bytes_max)
-            return shown + " [...]";
-        const std::size_t bytes = character_bytes(text);
-        if (bytes > 0)
-            shown += text.substr(0, bytes);
-        else if (text.front() == '\n')
-            shown += ' ';
-        else
-            shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
-        text.remove_prefix(bytes > 0 ? bytes : 1);
-    }
-    return shown;
+    return shown_of(text, printable_bytes_max);
+}
+
+std::string in_quotes(std::string_view text) {
+    std::string inside = shown_of(text, std::string::npos);
+    std::replace(inside.begin(), inside.end(), '"', '\'');
+    return '"' + inside + '"';
 }
 
 int complain(const char* program, int status, std::string_view message) {

@@ -14,6 +14,8 @@ namespace seaway {
 /// `printable_bytes_max` becomes [...]. All other text, UTF-8 as well, stays as it is.
 std::string printable(std::string_view text);
 inline constexpr std::size_t printable_bytes_max = 1000;
+/// A value of a line of the log: printable and whole, between double quotes; those that it holds become single ones.
+std::string in_quotes(std::string_view text);
 /// UTF-8 without control characters: printable() changes nothing of it but its length.
 bool is_printable(std::string_view text);
 

@@ -48,7 +48,6 @@ class TomlErrors {
     explicit TomlErrors(std::string document) : document_(std::move(document)) {}
     void add(unsigned line, const std::string& what);
     const std::optional<Error>& first() const { return first_; }
-    const std::string& document() const { return document_; }
 
   private:
     std::string document_;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Part of seaway/buoyancy.h: what a hull is, and what the water does to it. */
-#ifndef SEAWAY_CLIENT_BUOYANCY_HULL_H
+#ifndef SEAWAY_CLIENT_BUOYANCY_H
+#include "buoyancy.h" /* includes this before what stands on it */
+#elif !defined(SEAWAY_CLIENT_BUOYANCY_HULL_H)
 #define SEAWAY_CLIENT_BUOYANCY_HULL_H
-
-#include "buoyancy.h"
 
 /* Steeper water than this is breaking (a Stokes wave breaks at 30 degrees, slope 0.58): what is straight on from there leads
  * nowhere. */

@@ -127,7 +127,7 @@ seaway_code seaway_get_status(const seaway_client* client, seaway_status* status
     return guarded([&]() -> Result<void> {
         if (!client || !status)
             return bad("seaway_get_status: client and status must not be null");
-        if (status->size < offsetof(seaway_status, attempts))
+        if (status->size < offsetof(seaway_status, attempts) || status->size > struct_bytes_max)
             return bad("seaway_get_status: status->size must be sizeof(seaway_status)");
         seaway_status now = as_c(client->client->status());
         now.size = std::min(status->size, now.size);

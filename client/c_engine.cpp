@@ -19,12 +19,8 @@ namespace {
 /// What it began with; all that follows may be missing.
 constexpr std::size_t wish_least = offsetof(seaway_wish, cascades);
 
-uint32_t all_fields() {
-    return sea::FieldSet::from_bits(0xffffffffu).bits();
-}
-
 Result<protocol::TileWish> tile_wish(const seaway_wish& wanted, const SeaState& state) {
-    if (const uint32_t unknown = wanted.fields & ~all_fields())
+    if (const uint32_t unknown = wanted.fields & ~sea::all_fields.bits())
         return bad(fmt::format("seaway_wish.fields: there is no field {}; they are 0 to {}",
                                std::countr_zero(unknown), sea::field_count - 1));
     const std::size_t count = state.cascades.size();

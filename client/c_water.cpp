@@ -52,6 +52,12 @@ seaway_code below_of(const char* call, const seaway_client* client, const seaway
             return bad(fmt::format("{}: client, points, z_m and below must not be null", call));
         SEAWAY_TRY_LET(const Looking some, looking_of(looking));
         SEAWAY_TRY(stride_fits(stride, call, "seaway_below"));
+        for (std::size_t i = 0; i < count; ++i)
+            // What is no number is answered as such.
+            if (std::isfinite(z_m[i]) && std::abs(z_m[i]) > protocol::limits::position_m_max)
+                return bad(fmt::format("{}: z_m[{}] is {}, allowed are {} to {}", call, i, z_m[i],
+                                       -protocol::limits::position_m_max,
+                                       protocol::limits::position_m_max));
         SEAWAY_TRY_LET(const Below found,
                        find(as_points(points, count), std::span(z_m, count), some));
         put_below(found, below, stride);

@@ -185,13 +185,12 @@ SeaStatePtr Client::sea_state_held(TimeUs time_us) const {
 
 sea::FieldSet Client::offered(sea::FieldSet fields) const {
     const std::scoped_lock lock(mutex_);
-    return sea::FieldSet::from_bits(fields.bits() & ~not_offered_.bits());
+    return fields.without(not_offered_);
 }
 
 void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
     const std::scoped_lock lock(mutex_);
-    const std::uint32_t missing = asked.bits() & ~granted.bits();
-    not_offered_ = sea::FieldSet::from_bits((not_offered_.bits() & ~granted.bits()) | missing);
+    not_offered_ = not_offered_.without(granted) | asked.without(granted);
 }
 
 template <class Kind>

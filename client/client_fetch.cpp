@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: keyframes that are asked for, in pieces that the server sends and this client can hold.
 #include <algorithm>
-#include <numeric>
 
 #include <fmt/format.h>
 
 #include "client/link/failure.h"
 #include "client/wanted.h"
 #include "protocol/limits.h"
+#include "sea/surface/by_time.h"
 
 namespace seaway::client {
 
@@ -228,11 +228,7 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
                                                      double timeout_s) {
     for (const QueryPoint& point : points)
         SEAWAY_TRY(check_point(point));
-    std::vector<std::size_t> order(points.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return points[a].time_us < points[b].time_us;
-    });
+    const std::vector<std::size_t> order = sea::order_by_time(points);
     std::vector<Answer> answers(points.size());
     const int seas = seas_;
     int tellings = 0;

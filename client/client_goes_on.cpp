@@ -47,12 +47,6 @@ bool is_lost(const sea::Paces& held, std::span<const sea::Pace> told, TimeUs sur
            });
 }
 
-bool same_tiles(const SeaState& a, const SeaState& b) {
-    return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
-        return one.size == other.size && one.length_m == other.length_m;
-    });
-}
-
 } // namespace
 
 Client::Client(ConnectOptions options, ClientEvents events, RingLimits limits)

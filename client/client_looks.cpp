@@ -9,6 +9,7 @@
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "sea/surface/budget/error_budget.h"
+#include "sea/surface/by_time.h"
 #include "sea/surface/grid_rows.h"
 
 namespace seaway::client {
@@ -17,10 +18,6 @@ using sea::TimeUs;
 using sea::Vec2;
 
 namespace {
-
-double sideways(const sea::Choppiness& choppiness) {
-    return std::max(choppiness.x, choppiness.y);
-}
 
 /// A sea of which nothing is felt; its foam is seen.
 void put_flat(const sea::QueryPoint& point, const HeldFoam& foam, Water& water) {
@@ -114,7 +111,7 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
         keep(0);
         const sea::Choppiness choppiness = sea.sum().sea().choppiness;
         put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},
-            moment, sideways(choppiness) * sea.error().displacement_m);
+            moment, choppiness.largest() * sea.error().displacement_m);
     });
     return {};
 }
@@ -126,9 +123,7 @@ Result<std::vector<Water>> Client::look(std::span<const sea::QueryPoint> points,
     return of_one_sea([&]() -> Result<std::vector<Water>> {
         std::vector<Water> water(points.size());
         for (std::size_t first = 0; first < points.size();) {
-            std::size_t end = first + 1;
-            while (end < points.size() && points[end].time_us == points[first].time_us)
-                ++end;
+            const std::size_t end = sea::same_time_end(points, first);
             const TimeUs time_us = points[first].time_us;
             const std::span<const sea::QueryPoint> asked = points.subspan(first, end - first);
             const std::span<Water> found = std::span(water).subspan(first, end - first);
@@ -173,9 +168,7 @@ Result<Below> Client::below(std::span<const sea::QueryPoint> points, std::span<c
                     std::vector<sea::WaterBelow>(points.size())};
         for (std::size_t first = 0; first < points.size();) {
             const TimeUs time_us = points[first].time_us;
-            std::size_t end = first + 1;
-            while (end < points.size() && points[end].time_us == time_us)
-                ++end;
+            const std::size_t end = sea::same_time_end(points, first);
             const KnownSea known = known_sea(time_us);
             const SeaStatePtr state = sea_state(time_us);
             const OwnSeaPtr waves = own_sea(state);

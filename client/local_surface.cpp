@@ -136,9 +136,7 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
     }
     if (coarser_strain2 > 0)
         error.strain_bound = std::hypot(error.strain_bound, std::sqrt(coarser_strain2));
-    const sea::Choppiness choppiness = largest_choppiness(state);
-    error.codec_strain_bound =
-        std::max(choppiness.x, choppiness.y) * sea::coded_strain_bound(coded_strain2);
+    error.codec_strain_bound = sea::coded_strain_bound(largest_choppiness(state), coded_strain2);
     return error;
 }
 

@@ -26,8 +26,6 @@ struct LocalSurface {
     bool covers = false;
 };
 
-/// The surface around one time. `fields`: what keyframes must hold to be used. An error (not_held)
-/// names the cascade of which nothing is held. `cascades`: of these alone, a bit each.
 /// Failure::bad_argument for a time at which no sea is computed, here or by a server (sea::time_us_max).
 Result<void> check_time(sea::TimeUs time_us);
 /// The same, and for a place further out than a server answers (sea::position_max_m); one that is no number is answered as such.
@@ -39,11 +37,13 @@ struct HeldPairs {
     bool covers = false;
 };
 Result<HeldPairs> held_pairs(const SeaState& state, const KeyframeRing& ring, sea::TimeUs time_us,
-                             sea::FieldSet fields, std::uint32_t cascades = 0xffffffffu);
+                             sea::FieldSet fields, std::uint32_t cascades = sea::all_cascades);
 sea::Surface surface_of(const SeaState& state, sea::TimeUs time_us, const HeldPairs& held);
+/// The surface around one time. `fields`: what keyframes must hold to be used. An error (not_held)
+/// names the cascade of which nothing is held. `cascades`: of these alone, a bit each.
 Result<LocalSurface> local_surface(const SeaState& state, const KeyframeRing& ring,
                                    sea::TimeUs time_us, sea::FieldSet fields,
-                                   std::uint32_t cascades = 0xffffffffu);
+                                   std::uint32_t cascades = sea::all_cascades);
 
 /// Are keyframes held on both sides of this time, of every cascade? If so, then for the whole of
 /// its time_cell().

@@ -12,10 +12,11 @@
  * Maps for textures, foam, displacements, questions without waiting: client/seaway_engine.h.
  *
  * Threads: every function may be called from any thread at any time, also several at once for one
- * client; only seaway_disconnect must be the last call for its client. "Blocks" is said where a
+ * client; only seaway_disconnect must be the last call for its client, made when all others have returned, those that wait too. "Blocks" is said where a
  * call waits for the network. No function keeps a pointer that it is given. Samples take 48 KB of a stack, of a sea of more than four
  * cascades 72. Threads of the
- * library take no signals. After fork() the child calls nothing for a client of its parent, seaway_disconnect neither; it
+ * library take no signals but of what they do themselves, and those by which runtimes with a garbage collector stop threads (real-time
+ * ones, SIGPWR, SIGXCPU). After fork() the child calls nothing for a client of its parent, seaway_disconnect neither; it
  * may connect a new one.
  *
  * Memory: whoever passes an array owns it; counts are of elements, sizes of structs are fixed for
@@ -107,7 +108,8 @@ typedef struct seaway_connect_options {
 /* Without threads: all that the library does for this client it does in seaway_poll (client/seaway_engine.h), and in calls that
  * block, on the thread that calls them; what is said to be called on a thread of the library is called there. Everything else is
  * the same. What a program owes: seaway_poll in every frame, or whenever seaway_poll_descriptor is readable, which it is
- * some 20 times a second; no less often than every second. What is not polled for has not come:
+ * some 20 times a second; no less often than every second, and ten times a second where tiles are sampled. What is not polled for has not come:
+ *   - keyframes come some tenths of a second before their time: after 0.2 s without a poll answers from tiles may be SEAWAY_EXTRAPOLATED, those from waves go on;
  *   - seaway_query and other calls that block need nothing; seaway_ask and seaway_unsubscribe are sent, and deadlines of questions pass, in polls;
  *   - after a second the clock is heard less often, and seaway_clock's error_us says so;
  *   - after three, answers are SEAWAY_STALE or SEAWAY_EXTRAPOLATED, until two polls later something is heard again; no answer is wrong without a flag;

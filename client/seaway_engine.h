@@ -222,7 +222,7 @@ typedef struct seaway_below {
  * pressure by linear theory with Wheeler's stretching, which at the surface are seaway_answer's velocity and, without
  * surface tension, g times its height; at the sea floor water moves along it alone. Valid for waves that do not break; first
  * order in steepness, so off by some tenth of a wave's velocity where its steepness is a tenth, and without the drift of second
- * order. No bound is stated. The formulas: docs/physics.md of the source.
+ * order. No bound is stated. The formulas: docs/physics.md of the source. z_m: -1e9 to 1e9, else SEAWAY_BAD_ARGUMENT.
  * From waves (SEAWAY_SPECTRUM, seaway_rebuild): keyframes alone are SEAWAY_NOT_HELD. At once; some 300 us a point of a gale;
  * allocates. NULL looking: all waves. `stride`: sizeof(seaway_below). */
 seaway_code seaway_sample_below(const seaway_client* client, const seaway_looking* looking,

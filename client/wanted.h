@@ -2,33 +2,15 @@
 // What Client's blocking calls wait with (client.cpp, client_fetch.cpp).
 #pragma once
 
-#include <chrono>
-#include <future>
 #include <memory>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "client/client.h"
+#include "client/link/waiter.h"
 
 namespace seaway::client {
-
-/// A ReplyHandler to wait for.
-class Waiter {
-  public:
-    ReplyHandler handler() {
-        return [promise = promise_](Result<Reply> reply) { promise->set_value(std::move(reply)); };
-    }
-    bool ready() const {
-        return reply_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    }
-    Result<Reply> wait() { return reply_.get(); }
-
-  private:
-    std::shared_ptr<std::promise<Result<Reply>>> promise_ =
-        std::make_shared<std::promise<Result<Reply>>>();
-    std::future<Result<Reply>> reply_ = promise_->get_future();
-};
 
 /// Of a client without threads: what is subscribed to again, waves and then tiles.
 struct Client::Again {

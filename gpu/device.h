@@ -45,7 +45,6 @@ class Device {
     VkDevice get() const { return device_; }
     VkPhysicalDevice physical() const { return physical_; }
     VkInstance instance() const { return instance_->get(); }
-    VkQueue queue() const { return queue_; }
     std::uint32_t queue_family() const { return queue_family_; }
     /// Of submit_transfer(); the same where the device has none beside.
     std::uint32_t transfer_family() const { return transfer_family_; }

@@ -13,8 +13,7 @@
 #include "base/messages.h"
 #include "base/stop_wanted.h"
 #include "base/text_file.h"
-#include "client/client.h"
-#include "client/link/failure.h"
+#include "client/exit_code.h"
 #include "client/view/bench.h"
 #include "client/view/camera_path.h"
 #include "client/view/debug/contact_sheet.h"
@@ -28,27 +27,22 @@
 #include "client/view/view_sky.h"
 #include "client/window/viewer.h"
 #include "local/local_sea.h"
-#include "protocol/token_file.h"
+#include "protocol/limits.h"
 
 namespace {
 
 using namespace seaway;
 using namespace seaway::client;
 
-constexpr int stream_credit = 2;
 constexpr std::size_t path_bytes_max = 16u << 20;
 
-int fail(ViewExit code, const Error& error) {
-    return complain("seaway-view", static_cast<int>(code), error.message);
+int fail(ExitCode code, const Error& error) {
+    return complain("seaway-view", code, error.message);
 }
 
+/// The client's errors have kinds, those of the device have none.
 int fail(const Error& error) {
-    return fail(view_exit(error), error);
-}
-
-Result<std::string> read_token(const std::string& path) {
-    Result<std::string> token = path.empty() ? std::string() : protocol::read_token_file(path);
-    return token ? token : failed(Failure::bad_argument, token.error().message);
+    return give_up("seaway-view", error, exit_no_device);
 }
 
 Result<CameraPath> camera_path(const ViewOptions& options) {
@@ -78,12 +72,11 @@ class Drawing {
         if (const Result<void> fits =
                 check_debug(options_.debug, moment.frame, renderer_.options());
             !fits)
-            return fail(ViewExit::usage, fits.error());
+            return fail(exit_usage, fits.error());
         const Result<Picture> picture =
             pictures_.numbers(renderer_, moment, camera, options_.debug);
         if (!picture) // tables need no device, but a server that tells its scene
-            return fail(is_table(options_.debug) ? ViewExit::refused : ViewExit::no_device,
-                        picture.error());
+            return fail(is_table(options_.debug) ? exit_refused : exit_no_device, picture.error());
         if (i == 0) // metered once: frames of a film do not flicker
             exposure_ =
                 exposure_of(options_.look, metered_exposure(*picture, moment.sky.white_radiance()));
@@ -92,7 +85,7 @@ class Drawing {
         const Result<ShownPicture> shown =
             pictures_.develop(renderer_, *picture, moment, options_.debug, exposure_);
         return shown ? written(writer_.write(*shown, number), moment, metered())
-                     : fail(ViewExit::no_device, shown.error());
+                     : fail(exit_no_device, shown.error());
     }
 
   private:
@@ -119,22 +112,22 @@ class Drawing {
                 device_, options_.camera.width, options_.camera.height,
                 static_cast<int>(moment.frame.cascades.size()), renderer_.options());
             if (!made)
-                return fail(ViewExit::usage, made.error());
+                return fail(exit_usage, made.error());
             sheet_.emplace(std::move(*made));
         }
         const Result<ShownPicture> shown = sheet_->draw(moment, camera, options_.look);
         return shown ? written(writer_.write(*shown, number), moment)
-                     : fail(ViewExit::no_device, shown.error());
+                     : fail(exit_no_device, shown.error());
     }
 
     static int written(const Result<std::string>& path, const DebugMoment& moment,
                        const std::string& exposure = "") {
         if (!path)
-            return fail(ViewExit::cannot_write, path.error());
+            return fail(exit_output, path.error());
         const std::string line = fmt::format("{} t={:.3f}{}\n", *path,
                                              sea::seconds_from_us(moment.frame.time_us), exposure);
         const Result<void> told = write_out(stdout, line);
-        return told ? 0 : fail(ViewExit::cannot_write, told.error());
+        return told ? 0 : fail(exit_output, told.error());
     }
 
     gpu::Device& device_;
@@ -156,7 +149,7 @@ int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewO
         note_stop_signals();
     for (int i = 0; i < options.frames; ++i) {
         if (stop_wanted())
-            return fail(ViewExit::cannot_write,
+            return fail(exit_output,
                         {fmt::format("stopped by a signal: after {} of {} frames {} is given up", i,
                                      options.frames, options.out)});
         const sea::TimeUs offset_us = options.rate.offset_us(options.frame(i));
@@ -171,26 +164,26 @@ int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewO
         const Camera camera = path.at(sea::seconds_from_us(offset_us));
         const Result<Sky> sky = sky_of_frame(skies, options.look, camera, time_us);
         if (!sky)
-            return fail(ViewExit::usage, sky.error());
+            return fail(exit_usage, sky.error());
         if (const int code = drawing.draw({*frame, *sky, scene, options.look.bloom}, camera, i);
             code != 0)
             return code;
         drawing.writer().tell(i + 1);
     }
     const Result<void> closed = drawing.writer().close();
-    return closed ? static_cast<int>(ViewExit::done) : fail(ViewExit::cannot_write, closed.error());
+    return closed ? exit_done : fail(exit_output, closed.error());
 }
 
 int show(const ViewOptions& options, const OpenSea& open_sea) {
     const Result<std::unique_ptr<Viewer>> viewer = Viewer::open(options, open_sea);
     if (!viewer)
-        return fail(ViewExit::no_device, viewer.error());
+        return fail(exit_no_device, viewer.error());
     for (;;) {
         const Result<bool> open = (*viewer)->step();
         if (!open)
-            return fail(ViewExit::no_device, open.error());
+            return fail(exit_no_device, open.error());
         if (!*open)
-            return static_cast<int>(ViewExit::done);
+            return exit_done;
     }
 }
 
@@ -201,32 +194,33 @@ using WithSource =
 int draw_files(const ViewOptions& options, const WithSource& with_source) {
     const Result<CameraPath> path = camera_path(options);
     if (!path)
-        return fail(ViewExit::usage, path.error());
+        return fail(exit_usage, path.error());
     Result<std::unique_ptr<gpu::Device>> made =
         gpu::Device::create({.pick = options.device, .draws = true});
     if (!made)
-        return fail(ViewExit::no_device, made.error());
+        return fail(exit_no_device, made.error());
     const std::shared_ptr<gpu::Device> device = std::move(*made);
     Result<Renderer> renderer = Renderer::create(
         *device, options.camera.width, options.camera.height, {.quality = options.quality});
     if (!renderer)
-        return fail(ViewExit::no_device, renderer.error());
+        return fail(exit_no_device, renderer.error());
     return with_source(device, [&](SeaSource& source) {
         if (options.bench_frames == 0)
             return draw(source, *device, *renderer, options, *path);
         const Result<void> done = bench(source, *renderer, options);
-        return done ? static_cast<int>(ViewExit::done) : fail(done.error());
+        return done ? exit_done : fail(done.error());
     });
 }
 
 int draw_streamed(const ViewOptions& options, const ConnectOptions& connect) {
     return draw_files(options, [&](const std::shared_ptr<gpu::Device>&, const auto& draw_source) {
-        const Result<std::unique_ptr<Client>> client = Client::connect(connect);
+        const Result<std::unique_ptr<Client>> client = connect_to(connect);
         if (!client)
             return fail(client.error());
         protocol::TileWish wish{.fields = drawn_fields};
         options.limits.put_into(wish);
-        const Result<Grant> grant = (*client)->subscribe(wish, stream_credit, options.timeout_s);
+        const Result<Grant> grant =
+            (*client)->subscribe(wish, protocol::limits::credit_default, options.timeout_s);
         if (!grant)
             return fail(grant.error());
         StreamedSource source(**client, options.timeout_s);
@@ -235,36 +229,31 @@ int draw_streamed(const ViewOptions& options, const ConnectOptions& connect) {
 }
 
 int run_streamed(const ViewOptions& options) {
-    const Result<std::string> token = read_token(options.token_file);
-    if (!token)
-        return fail(token.error());
-    const ConnectOptions connect{.url = options.url,
-                                 .name = "seaway-view/" SEAWAY_VERSION,
-                                 .token = *token,
-                                 .ca_file = options.ca_file,
-                                 .timeout_s = options.timeout_s};
-    return options.offscreen ? draw_streamed(options, connect)
-                             : show(options, Viewer::streamed(connect, options.limits));
+    const Result<ConnectOptions> server = options.connect_options("seaway-view");
+    if (!server)
+        return fail(server.error());
+    return options.offscreen ? draw_streamed(options, *server)
+                             : show(options, Viewer::streamed(*server, options.limits));
 }
 
 int run_local(const ViewOptions& options) {
     const Result<server::RunningSeaPtr> scene = local::read_local_scene(options.scene);
     if (!scene)
-        return fail(ViewExit::usage, scene.error());
+        return fail(exit_usage, scene.error());
     if (!options.offscreen)
         return show(options, local::open_in_a_window(*scene, options));
     return draw_files(options, [&](std::shared_ptr<gpu::Device> device, const auto& draw_source) {
         const auto sea = local::LocalSea::create(*scene, std::move(device));
-        return sea ? draw_source(**sea) : fail(ViewExit::no_device, sea.error());
+        return sea ? draw_source(**sea) : fail(exit_no_device, sea.error());
     });
 }
 
 int run(const ViewOptions& options) {
     if (!options.look.environment.empty()) // before a window opens
         if (const auto picture = read_environment(options.look.environment); !picture)
-            return fail(ViewExit::usage, picture.error());
+            return fail(exit_usage, picture.error());
     const int code = options.scene.empty() ? run_streamed(options) : run_local(options);
-    if (code != static_cast<int>(ViewExit::done) && stop_wanted())
+    if (code != exit_done && stop_wanted())
         end_by_stop_signal();
     return code;
 }
@@ -287,6 +276,5 @@ int run(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_main("seaway-view", static_cast<int>(ViewExit::cannot_write),
-                    [&] { return run(argc, argv); });
+    return run_main("seaway-view", exit_output, [&] { return run(argc, argv); });
 }

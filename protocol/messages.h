@@ -98,7 +98,7 @@ Bytes hello(std::string_view client, std::string_view token,
 
 /// What a client wants streamed or fetched.
 struct TileWish {
-    std::uint32_t cascades = 0xffffffffu; ///< bit c: cascade c
+    std::uint32_t cascades = sea::all_cascades; ///< bit c: cascade c
     sea::FieldSet fields = {};
     float error_m = 0; ///< wanted bound on height, all parts together; 0: the server chooses
     /// Takes linear maps at the smallest grid that carries their waves, brings them to the cascade's own, and makes

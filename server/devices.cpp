@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "base/messages.h"
 #include "gpu/device_info.h"
 
 namespace seaway::server {
@@ -35,7 +36,8 @@ Result<std::unique_ptr<Synthesizer>> make_best(DeviceChoice choice, bool validat
     }
     if (made) {
         had_gpu = choice.vulkan.has_value();
-        spdlog::info("device=auto takes=\"{}\" why=\"{}\"", (*made)->description(), choice.why);
+        spdlog::info("device=auto takes={} why={}", in_quotes((*made)->description()),
+                     in_quotes(choice.why));
     }
     return made;
 }

@@ -68,7 +68,7 @@ void reload(NetServer& net, const StartFiles& start_files) {
         spdlog::log(file.outcome == ReadAgain::failed ? spdlog::level::err : spdlog::level::info,
                     "{}", file.line());
     if (!read.all)
-        return spdlog::error("event=reload_refused why=\"{}\"", read.all.error().message);
+        return spdlog::error("event=reload_refused why={}", in_quotes(read.all.error().message));
     spdlog::info("event=reloaded files={}",
                  std::ranges::count(files, ReadAgain::read_again, &FileReadAgain::outcome));
 }
@@ -83,10 +83,10 @@ void tell_of(const RunningSea& sea) {
 
 /// A name of a world or folder that was meant to be another begins another sea: who reads the log sees that.
 void tell_of_beginning(const Resumed& resumed) {
-    spdlog::info("event={} journal=\"{}\" epoch={} changes={}",
+    spdlog::info("event={} journal={} epoch={} changes={}",
                  resumed.begins ? "sea_begins" : "sea_goes_on",
-                 resumed.journal ? resumed.journal->name() : "none", utc_text(resumed.epoch_utc_us),
-                 resumed.changes);
+                 in_quotes(resumed.journal ? resumed.journal->name() : "none"),
+                 utc_text(resumed.epoch_utc_us), resumed.changes);
 }
 
 /// The budget of --memory-mb.
@@ -216,8 +216,7 @@ int serve(const Options& options) {
     StopDeadline deadline(stop_limit + drain_of(options.net), exit_no_device,
                           [json = options.log == "json"] { return last_words(json); });
     const LogEnd log_end; // before the deadline is called off
-    SeaClock clock(resumed->epoch_utc_us, SeaClock::utc_now_us, SeaClock::steady_now_us,
-                   resumed->paces);
+    SeaClock clock(resumed->epoch_utc_us, SeaClock::utc_now_us, local_now_us, resumed->paces);
     World world(course, clock, memory);
     Result<std::unique_ptr<Simulation>> simulation = Simulation::start(
         course, device_factory(options), world.subscriptions(), clock_of(clock), events(world),
@@ -231,8 +230,8 @@ int serve(const Options& options) {
     if (!net)
         return fail(exit_cannot_listen, net.error());
     tell_of_beginning(*resumed);
-    spdlog::info("device=\"{}\" scene={} epoch={} url={}", (*simulation)->device(), scene.source,
-                 utc_text(resumed->epoch_utc_us), (*net)->url());
+    spdlog::info("device={} scene={} epoch={} url={}", in_quotes((*simulation)->device()),
+                 scene.source, utc_text(resumed->epoch_utc_us), (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
     world.announce_to([&net](SharedBytes state) { (*net)->announce(std::move(state)); });
     world.hand_over_by([&net](const std::string& why) { (*net)->hand_over(why); });

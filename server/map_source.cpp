@@ -71,12 +71,11 @@ Result<void> read_number(const std::string& name, const std::string& text, T& to
 }
 
 Result<void> read_time(const std::string& name, const std::string& text, sea::TimeUs& to) {
-    constexpr double t_s_max = sea::seconds_from_us(sea::time_us_max);
     double t_s = 0;
     SEAWAY_TRY(read_number(name, text, t_s));
-    if (!(std::abs(t_s) <= t_s_max)) // false for NaN
-        return bad_value(
-            fmt::format("{} = {} is out of range, {} .. {}", name, text, -t_s_max, t_s_max));
+    if (!(std::abs(t_s) <= sea::time_max_s)) // false for NaN
+        return bad_value(fmt::format("{} = {} is out of range, {} .. {}", name, text,
+                                     -sea::time_max_s, sea::time_max_s));
     to = sea::us_from_seconds(t_s);
     return {};
 }

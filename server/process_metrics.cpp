@@ -9,12 +9,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "base/elapsed.h"
+
 namespace seaway::server {
 namespace {
-
-double seconds(const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-}
 
 std::optional<double> open_files(const std::filesystem::path& process) {
     std::error_code error;
@@ -26,12 +24,6 @@ std::optional<double> open_files(const std::filesystem::path& process) {
 }
 
 } // namespace
-
-double process_cpu_s() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 std::string process_metrics_text(const std::filesystem::path& process) {
     rlimit files{};
@@ -46,7 +38,7 @@ std::string process_metrics_text(const std::filesystem::path& process) {
                             name, type, help, value);
     };
     add("cpu_seconds_total", "counter", "Processor time, of users and of the system.",
-        process_cpu_s());
+        process_cpu_seconds());
     // To look takes a free file. Where there is none they are left out: what nobody knows is not 0.
     if (knows_memory)
         add("resident_memory_bytes", "gauge", "Memory that is held.",

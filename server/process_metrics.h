@@ -8,8 +8,6 @@
 
 namespace seaway::server {
 
-/// Processor time since it started, of users and of the system.
-double process_cpu_s();
 /// Prometheus text: processor time, resident memory, open files and how many there may be. What cannot be read in the
 /// folder of the process is left out.
 std::string process_metrics_text(const std::filesystem::path& process = "/proc/self");

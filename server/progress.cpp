@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "base/messages.h"
 #include "server/world.h"
 
 namespace seaway::server {
@@ -17,7 +18,7 @@ bool Progress::comes_on(const Health& simulation,
         why = fmt::format("the sockets have not come on for {} s",
                           std::chrono::duration_cast<std::chrono::seconds>(sockets_silent).count());
     if (stuck_.empty() && !why.empty())
-        spdlog::critical("event=stuck why=\"{}\"", why);
+        spdlog::critical("event=stuck why={}", in_quotes(why));
     if (!stuck_.empty() && why.empty())
         spdlog::warn("event=comes_on_again");
     stuck_ = why;

@@ -328,7 +328,7 @@ Result<std::uint32_t> SeaDirector::log(SeaChange change, const std::function<voi
 }
 
 Result<void> SeaDirector::append(const SeaChange& change) {
-    writing_since_us_ = SeaClock::steady_now_us();
+    writing_since_us_ = local_now_us();
     const Undo written([this] { writing_since_us_ = 0; });
     const Result<void> kept = journal_ ? journal_->append(change) : Result<void>();
     if (kept)
@@ -387,7 +387,7 @@ Result<SeaPromise> SeaDirector::make_pace(int permille) {
         const TimeUs from_us =
             clock_.moment().elapsed_us + pace_ahead_us + others_us + writing.us();
         if (others_us > 0) {
-            passed_over_since_us_ = SeaClock::steady_now_us() - writing.us();
+            passed_over_since_us_ = local_now_us() - writing.us();
             passed_over_until_us_ = from_us;
         }
         sea::Pace next = clock_.next_pace(from_us, permille);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "base/messages.h"
 #include "server/resume.h"
 #include "server/sea_director.h"
 
@@ -24,8 +25,8 @@ constexpr std::int64_t hand_overs_apart_us = 30'000'000;
 void SeaDirector::falls_behind() {
     // Another value each time, if by a microsecond: who follows what was there before does not take this for done.
     std::int64_t since_us = behind_since_us_;
-    while (!behind_since_us_.compare_exchange_weak(
-        since_us, since_us == 0 ? SeaClock::steady_now_us() : since_us + 1))
+    while (!behind_since_us_.compare_exchange_weak(since_us,
+                                                   since_us == 0 ? local_now_us() : since_us + 1))
         continue;
 }
 
@@ -66,7 +67,7 @@ void SeaDirector::follow() {
         behind_since_us_.compare_exchange_strong(behind_since_us, 0);
     const std::scoped_lock lock(mutex_);
     if (!stuck.empty() && stuck != stuck_)
-        spdlog::error("event=sea_follows_no_more why=\"{}\"", why);
+        spdlog::error("event=sea_follows_no_more why={}", in_quotes(why));
     stuck_ = std::move(stuck);
 }
 
@@ -110,13 +111,13 @@ void SeaDirector::look_for_doubt() {
     const bool waits = !why.empty() && !handed_over_for_doubt_ && !now->journal.settles &&
                        now->journal.peers.peers > 0;
     if (!why.empty() && doubt_.empty())
-        spdlog::warn("event=sea_stale why=\"{}\"", why);
+        spdlog::warn("event=sea_stale why={}", in_quotes(why));
     if (why.empty() && !doubt_.empty())
         spdlog::info(
             "event=sea_current change={} why=\"it follows the log, and its clock is right\"",
             now->played);
     doubt_ = why;
-    const std::int64_t now_us = SeaClock::steady_now_us();
+    const std::int64_t now_us = local_now_us();
     const bool rests = handed_over_us_ != 0 && now_us - handed_over_us_ < hand_overs_apart_us;
     if (missed_ || (waits && !rests)) {
         handed_over_for_doubt_ = !why.empty();
@@ -135,11 +136,10 @@ Following SeaDirector::following() const {
                   .stuck = {}};
     const std::int64_t since_us = behind_since_us_;
     const std::int64_t writing_since_us = writing_since_us_;
-    now.writing_us = writing_since_us > 0 ? SeaClock::steady_now_us() - writing_since_us : 0;
+    now.writing_us = writing_since_us > 0 ? local_now_us() - writing_since_us : 0;
     if (clock_.moment().elapsed_us < passed_over_until_us_)
-        now.writing_us =
-            std::max(now.writing_us, SeaClock::steady_now_us() - passed_over_since_us_);
-    now.behind_us = since_us > 0 ? SeaClock::steady_now_us() - since_us : 0;
+        now.writing_us = std::max(now.writing_us, local_now_us() - passed_over_since_us_);
+    now.behind_us = since_us > 0 ? local_now_us() - since_us : 0;
     now.ahead_us = clock_.moment().ahead_us;
     // Nobody else has a journal that is not shared, and to read it is to wait for a disk.
     if (now.shared && now.played < now.journal.last_epoch)

@@ -71,7 +71,7 @@ std::optional<Following> World::following() const {
 }
 
 sea::SeaTime World::sea_time() const {
-    const std::int64_t now_us = SeaClock::steady_now_us();
+    const std::int64_t now_us = local_now_us();
     if (now_us - unsure_looked_us_ >= unsure_looks_apart_us) {
         unsure_looked_us_ = now_us;
         const std::optional<Following> now = following();

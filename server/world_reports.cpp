@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/elapsed.h"
 #include "protocol/limits.h"
 #include "sea/scene/scene_names.h"
 #include "sea/waves/probes.h"
@@ -247,7 +248,7 @@ std::string state_json(const RunningSea& sea, const std::vector<std::string>& wa
                       {"glides_until_s", glide_end_json(sea)},
                       {"certificate", certificate_json(sea)},
                       {"changes_refused", ordered_json(refused)},
-                      {"cpu_s", process_cpu_s()},
+                      {"cpu_s", process_cpu_seconds()},
                       {"warnings", warnings}};
     if (following)
         json["journal"] = ordered_json::parse(following->json());

@@ -46,7 +46,7 @@ struct Transform {
     std::uint32_t lanes;     ///< least size of a subgroup, with shuffles; 0: any device
     bool transposed;         ///< how modes stand
     bool shares_memory;      ///< within a workgroup: fast on GPUs, slow where a processor does it
-    bool band_limited;       ///< all modes must fit_band()
+    bool band_limited;       ///< fits_band() must hold of all modes
     std::uint32_t scratch_complexes; ///< a field
     std::span<const Pass> passes;
 };

@@ -8,7 +8,7 @@
 #include "base/text_file.h"
 #include "client/apps/ctl_ask.h"
 #include "client/apps/ctl_options.h"
-#include "client/apps/exit_code.h"
+#include "client/exit_code.h"
 
 namespace {
 
@@ -20,7 +20,7 @@ Result<std::string> run(const CtlOptions& options, int& status_code) {
         FleetStatus status = fleet_status(options, *wish);
         if (status.none_answers && wish->others.empty())
             return *std::move(status.none_answers);
-        status_code = status.none_answers  ? exit_code("seaway-ctl", *status.none_answers)
+        status_code = status.none_answers  ? give_up("seaway-ctl", *status.none_answers)
                       : status.all_certain ? exit_done
                                            : exit_unsure;
         return std::move(status.table);
@@ -43,7 +43,7 @@ int run(int argc, char** argv) {
     int code = exit_done;
     const Result<std::string> text = run(std::get<CtlOptions>(options), code);
     if (!text)
-        return exit_code("seaway-ctl", text.error());
+        return give_up("seaway-ctl", text.error());
     fmt::print("{}", *text);
     return status_after_output("seaway-ctl", code, exit_output);
 }

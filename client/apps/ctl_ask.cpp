@@ -12,9 +12,7 @@
 
 #include "client/apps/ctl_diff.h"
 #include "client/apps/ctl_status.h"
-#include "client/apps/exit_code.h"
-#include "client/client.h"
-#include "client/link/failure.h"
+#include "client/link/waiter.h"
 #include "sea/scene/weather.h"
 
 namespace seaway::client {
@@ -24,14 +22,6 @@ using Clock = std::chrono::steady_clock;
 
 /// Some keyframes.
 constexpr std::chrono::milliseconds load_is_of{500};
-
-/// Asks and waits: the connection answers once, at the latest when its patience has ended.
-template <class Ask>
-Result<Reply> answer_to(const Ask& ask) {
-    std::promise<Result<Reply>> promise;
-    ask([&promise](Result<Reply> reply) { promise.set_value(std::move(reply)); });
-    return promise.get_future().get();
-}
 
 Result<StatusRow> row(const CtlOptions& options, const std::string& url) {
     SEAWAY_TRY_LET(const std::unique_ptr<Connection> connection,
@@ -49,14 +39,9 @@ Result<StatusRow> row(const CtlOptions& options, const std::string& url) {
 }
 
 Result<std::unique_ptr<Client>> reader_of(const CtlOptions& options, const std::string& url) {
-    SEAWAY_TRY_LET(const std::string token, read_token(options.token_file));
-    ConnectOptions connect;
-    connect.url = url;
-    connect.token = token;
-    connect.ca_file = options.ca_file;
-    connect.timeout_s = options.timeout_s;
-    Result<std::unique_ptr<Client>> client = Client::connect(connect);
-    return client ? std::move(client) : not_connected(url, client.error());
+    SEAWAY_TRY_LET(ConnectOptions server, options.connect_options("seaway-ctl"));
+    server.url = url;
+    return connect_to(server);
 }
 
 /// Where its timetable has led to by then; earlier than now: as it came.
@@ -72,29 +57,23 @@ Result<std::string> scene_by(std::string text, sea::TimeUs at_us) {
 
 Result<std::unique_ptr<Connection>> connect_as_administrator(const CtlOptions& options,
                                                              const std::string& url) {
-    SEAWAY_TRY_LET(const std::string token, read_token(options.token_file));
-    Result<std::unique_ptr<Connection>> connection =
-        Connection::open({.url = url,
-                          .name = "seaway-ctl/" SEAWAY_VERSION,
-                          .token = token,
-                          .ca_file = options.ca_file,
-                          .timeout_s = options.timeout_s},
-                         {});
-    return connection ? std::move(connection) : not_connected(url, connection.error());
+    SEAWAY_TRY_LET(ConnectOptions server, options.connect_options("seaway-ctl"));
+    server.url = url;
+    return connection_to(server);
 }
 
 Result<std::string> administered(Connection& connection, const AdminWish& wish, double timeout_s) {
-    SEAWAY_TRY_LET(const Reply reply, answer_to([&](ReplyHandler handler) {
-                       connection.administer(wish.act, wish.session, timeout_s, std::move(handler));
-                   }));
+    Waiter waiter;
+    connection.administer(wish.act, wish.session, timeout_s, waiter.handler());
+    SEAWAY_TRY_LET(const Reply reply, waiter.wait());
     return reply.text;
 }
 
 Result<std::string> changed(Connection& connection, const protocol::ChangeWish& wish,
                             double timeout_s) {
-    SEAWAY_TRY_LET(const Reply reply, answer_to([&](ReplyHandler handler) {
-                       connection.change(wish, timeout_s, std::move(handler));
-                   }));
+    Waiter waiter;
+    connection.change(wish, timeout_s, waiter.handler());
+    SEAWAY_TRY_LET(const Reply reply, waiter.wait());
     if (wish.pace_permille)
         return fmt::format("{{\"from_s\": {}, \"change\": {}}}\n",
                            sea::seconds_from_us(reply.start_us), reply.change);

@@ -9,9 +9,8 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
-#include "client/apps/exit_code.h"
 #include "client/apps/query_points.h"
-#include "client/link/url.h"
+#include "client/exit_code.h"
 #include "protocol/limits.h"
 #include "sea/basics/glide.h"
 #include "sea/basics/pace.h"
@@ -95,7 +94,7 @@ void add_when(CommandLine& command, CtlWords& words) {
         .takes("DURATION")
         .shows_default();
     command.option("--at", words.at_s, "Sea time at which it begins; else as soon as can be")
-        .between(-sea::seconds_from_us(sea::time_us_max), sea::seconds_from_us(sea::time_us_max))
+        .between(-sea::time_max_s, sea::time_max_s)
         .takes("SECONDS");
 }
 
@@ -109,9 +108,7 @@ Result<protocol::ChangeWish> pace_of(double pace) {
 }
 
 Result<CtlOptions> options_of(CtlOptions options, const CtlWords& words, bool changes) {
-    SEAWAY_TRY(parse_url(options.url));
-    if (!(options.timeout_s > 0 && options.timeout_s <= 86400))
-        return Error{fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s)};
+    SEAWAY_TRY(options.check());
     if (changes) {
         SEAWAY_TRY_LET(options.what, change_of(words));
     }
@@ -250,12 +247,7 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
     line.option("url", options.url, "Server: ws://HOST:PORT or wss://HOST:PORT")
         .takes("URL")
         .required();
-    line.option("--token-file", options.token_file, "File with the administrator's token")
-        .takes("FILE");
-    line.option("--ca-file", options.ca_file, "Certificates (PEM) to trust, for wss").takes("FILE");
-    line.option("--timeout", options.timeout_s, "Patience with the request")
-        .takes("SECONDS")
-        .shows_default();
+    options.describe(line, "the administrator's token");
     const Commands commands(line, words);
     line.footer(ctl_footer);
     const Result<CommandLine::Next> next = line.read(argc, argv);
@@ -263,8 +255,6 @@ std::variant<CtlOptions, int> read_ctl_options(int argc, const char* const* argv
         return complain("seaway-ctl", exit_usage, next.error().message);
     if (*next == CommandLine::Next::leave)
         return status_after_output("seaway-ctl", exit_done, exit_output);
-    if (const Result<void> fine = check_ca_file(options.url, options.ca_file); !fine)
-        return complain("seaway-ctl", exit_usage, fine.error().message);
     const Result<CtlOptions> whole = whole_options(std::move(options), words, commands);
     if (!whole)
         return complain("seaway-ctl", exit_usage, whole.error().message);

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/server_options.h"
 #include "protocol/messages.h"
 
 namespace seaway::client {
@@ -34,11 +35,9 @@ struct DiffWish {
     std::uint64_t seed = 1;
 };
 
-struct CtlOptions {
-    std::string url;
-    std::string token_file;
-    std::string ca_file;
-    double timeout_s = 30;
+struct CtlOptions : ServerOptions {
+    CtlOptions() { timeout_s = 30; }
+
     /// A change with its scene read already.
     std::variant<AdminWish, protocol::ChangeWish, StatusWish, RewindWish, DiffWish> what;
 };

@@ -7,9 +7,9 @@
 #include "base/messages.h"
 #include "base/stop_wanted.h"
 #include "base/text_file.h"
-#include "client/apps/exit_code.h"
 #include "client/apps/query_options.h"
 #include "client/apps/query_run.h"
+#include "client/exit_code.h"
 
 namespace {
 
@@ -24,20 +24,11 @@ Result<void> run(const QueryOptions& options) {
             return read.error();
         places = std::move(*read);
     }
-    const Result<std::string> token = read_token(options.token_file);
-    if (!token)
-        return token.error();
+    SEAWAY_TRY_LET(const ConnectOptions server, options.connect_options("seaway-query"));
     if (options.watch_hz > 0 || options.bench_points > 0)
         note_stop_signals();
     const Connect connect = [&](ClientEvents events) {
-        Result<std::unique_ptr<Client>> client =
-            Client::connect({.url = options.url,
-                             .name = "seaway-query/" SEAWAY_VERSION,
-                             .token = *token,
-                             .ca_file = options.ca_file,
-                             .timeout_s = options.timeout_s},
-                            std::move(events));
-        return client ? std::move(client) : not_connected(options.url, client.error());
+        return connect_to(server, std::move(events));
     };
     if (options.bench_points == 0)
         return run_query(connect, options, places, stop_wanted(), stdout);
@@ -51,7 +42,7 @@ int run(int argc, char** argv) {
         return *done;
     const Result<void> done = run(std::get<QueryOptions>(options));
     return done ? status_after_output("seaway-query", exit_done, exit_output)
-                : exit_code("seaway-query", done.error());
+                : give_up("seaway-query", done.error());
 }
 
 } // namespace

@@ -8,8 +8,7 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
-#include "client/apps/exit_code.h"
-#include "client/link/url.h"
+#include "client/exit_code.h"
 #include "protocol/limits.h"
 
 namespace seaway::client {
@@ -44,11 +43,11 @@ Result<void> require(bool fine, const std::string& what) {
 Result<std::optional<double>> parse_time(const std::string& text) {
     if (text == "now")
         return std::optional<double>();
-    const std::optional<double> time_s = number_in(text, time_max_s);
+    const std::optional<double> time_s = number_in(text, sea::time_max_s);
     SEAWAY_TRY(
         require(time_s.has_value(),
                 fmt::format("--time '{}': 'now', or sea time in seconds between {:g} and {:g}",
-                            text, -time_max_s, time_max_s)));
+                            text, -sea::time_max_s, sea::time_max_s)));
     return time_s;
 }
 
@@ -114,8 +113,7 @@ std::vector<std::string> with_negative_points_marked(int argc, const char* const
 Result<void> check(const QueryOptions& options) {
     if (options.url.empty())
         return Error{"URL is required"};
-    SEAWAY_TRY(parse_url(options.url));
-    SEAWAY_TRY(check_ca_file(options.url, options.ca_file));
+    SEAWAY_TRY(options.ServerOptions::check());
     const bool places = !options.at.empty() || !options.points_file.empty();
     SEAWAY_TRY(require(options.at.empty() || options.points_file.empty(),
                        "--at and --points exclude each other"));
@@ -143,8 +141,6 @@ Result<void> check(const QueryOptions& options) {
     const bool streamed = options.local && options.watch_hz > 0 && options.source == Source::tiles;
     SEAWAY_TRY(require(!limited || streamed,
                        "--rate-max and --size-max limit a stream: they need --local --watch"));
-    SEAWAY_TRY(require(options.timeout_s > 0 && options.timeout_s <= 86400,
-                       fmt::format("--timeout {}: above 0, up to 86400 s", options.timeout_s)));
     return {};
 }
 
@@ -212,12 +208,7 @@ std::variant<QueryOptions, int> read_query_options(int argc, const char* const* 
             "once")
         .takes("POINTS")
         .between(1, 1000000);
-    line.option("--timeout", options.timeout_s, "Patience with each request")
-        .takes("SECONDS")
-        .shows_default();
-    line.option("--token-file", options.token_file, "File with the token the server asks for")
-        .takes("FILE");
-    line.option("--ca-file", options.ca_file, "Certificates (PEM) to trust, for wss").takes("FILE");
+    options.describe(line, "the token that the server asks for");
     line.footer(query_footer);
     const Result<CommandLine::Next> next = line.read(with_negative_points_marked(argc, argv));
     if (next && *next == CommandLine::Next::leave)

@@ -7,8 +7,9 @@
 #include <variant>
 #include <vector>
 
-#include "client/apps/exit_code.h"
 #include "client/apps/query_points.h"
+#include "client/exit_code.h"
+#include "client/server_options.h"
 #include "client/tile_limits.h"
 
 namespace seaway::client {
@@ -18,8 +19,9 @@ enum class Source { tiles, spectrum, scene };
 
 enum class Format { table, json, csv };
 
-struct QueryOptions {
-    std::string url;
+struct QueryOptions : ServerOptions {
+    QueryOptions() { timeout_s = 10; }
+
     std::vector<Place> at;
     std::string points_file;      ///< CSV; "-" is standard input
     std::optional<double> time_s; ///< nothing: now
@@ -31,10 +33,7 @@ struct QueryOptions {
     Format format = Format::table;
     double watch_hz = 0;  ///< 0: once
     int bench_points = 0; ///< 0: no benchmark
-    double timeout_s = 10;
-    TileLimits limits; ///< of what is streamed
-    std::string token_file;
-    std::string ca_file;
+    TileLimits limits;    ///< of what is streamed
 };
 
 /// The options, or the exit code after --help, --version (0) or a usage error (2), which has been

@@ -106,13 +106,10 @@ std::string rows_of(Format format, const Columns<count>& columns, std::span<cons
 } // namespace
 
 std::string flag_names(std::uint32_t flags) {
-    constexpr std::array<const char*, 9> names{"folded",  "not_converged", "extrapolated",
-                                               "invalid", "exact",         "vertical_velocity",
-                                               "open",    "stale",         "dry"};
     std::string out;
-    for (std::size_t bit = 0; bit < names.size(); ++bit)
+    for (std::size_t bit = 0; bit < sea::answer_flag_names.size(); ++bit)
         if ((flags >> bit) & 1u)
-            out += (out.empty() ? "" : " ") + std::string(names[bit]);
+            out += (out.empty() ? "" : " ") + std::string(sea::answer_flag_names[bit]);
     return out.empty() ? "-" : out;
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/text_file.h"
 #include "client/link/failure.h"
+#include "sea/surface/answer.h"
 
 namespace seaway::client {
 namespace {
@@ -25,7 +26,7 @@ bool is_header(const std::vector<std::string_view>& fields) {
 Result<Place> to_place(const std::vector<std::string_view>& fields) {
     std::array<double, 3> values{};
     for (std::size_t i = 0; i < fields.size(); ++i) {
-        const double limit = i < 2 ? coordinate_max_m : time_max_s;
+        const double limit = i < 2 ? sea::position_max_m : sea::time_max_s;
         const std::optional<double> value = number_in(fields[i], limit);
         if (!value)
             return failed(Failure::bad_argument,
@@ -50,7 +51,7 @@ Result<Place> parse_place(std::string_view text) {
 }
 
 Result<std::vector<Place>> read_places(std::istream& in, const std::string& name,
-                                       std::size_t points_max) {
+                                       std::size_t points_max, RowTimes times) {
     std::vector<Place> places;
     std::string line;
     for (int number = 1;; ++number) {
@@ -66,10 +67,11 @@ Result<std::vector<Place>> read_places(std::istream& in, const std::string& name
             split_csv(number == 1 ? without_mark(line) : line);
         if (places.empty() && is_header(fields))
             continue;
-        if (fields.size() != 2 && fields.size() != 3)
+        if (fields.size() != 3 && (fields.size() != 2 || times == RowTimes::needed))
             return failed(Failure::bad_argument,
-                          fmt::format("{}:{}: {} fields, expected x_m,y_m or x_m,y_m,t_s", name,
-                                      number, fields.size()));
+                          fmt::format("{}:{}: {} fields, expected {}x_m,y_m,t_s", name, number,
+                                      fields.size(),
+                                      times == RowTimes::needed ? "" : "x_m,y_m or "));
         const Result<Place> place = to_place(fields);
         if (!place)
             return failed(Failure::bad_argument,
@@ -82,14 +84,14 @@ Result<std::vector<Place>> read_places(std::istream& in, const std::string& name
     return places;
 }
 
-Result<std::vector<Place>> read_places(const std::string& path) {
+Result<std::vector<Place>> read_places(const std::string& path, RowTimes times) {
     if (path == "-")
-        return read_places(std::cin, "standard input");
+        return read_places(std::cin, "standard input", csv_points_max, times);
     if (const Result<void> regular = check_regular_file(path); !regular)
         return failed(Failure::bad_argument,
                       fmt::format("cannot read points '{}': {}", path, regular.error().message));
     std::ifstream file(path);
-    return read_places(file, path);
+    return read_places(file, path, csv_points_max, times);
 }
 
 } // namespace seaway::client

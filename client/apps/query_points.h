@@ -14,12 +14,7 @@
 
 namespace seaway::client {
 
-/// Places are at most this far from the origin; beyond, a coordinate resolves no wave.
-inline constexpr double coordinate_max_m = 1e9;
-
-/// Times are within sea::in_time_range.
-inline constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
-
+/// Within sea::position_max_m and sea::time_max_s.
 struct Place {
     double x_m = 0;
     double y_m = 0;
@@ -29,12 +24,17 @@ struct Place {
 /// "X,Y".
 Result<Place> parse_place(std::string_view text);
 
+/// Does each row of a file have a time of its own?
+enum class RowTimes { optional, needed };
+
 /// Rows `x_m,y_m` or `x_m,y_m,t_s`, mixed if need be, with or without a header of these names;
 /// blank lines are skipped. Errors name the line; a line of more than csv_line_bytes_max bytes is one.
 Result<std::vector<Place>> read_places(std::istream& in, const std::string& name,
-                                       std::size_t points_max = csv_points_max);
+                                       std::size_t points_max = csv_points_max,
+                                       RowTimes times = RowTimes::optional);
 
 /// The same from a file; "-" is standard input.
-Result<std::vector<Place>> read_places(const std::string& path);
+Result<std::vector<Place>> read_places(const std::string& path,
+                                       RowTimes times = RowTimes::optional);
 
 } // namespace seaway::client

@@ -17,6 +17,7 @@
 #include "base/text_file.h"
 #include "client/apps/query_output.h"
 #include "client/link/failure.h"
+#include "protocol/limits.h"
 
 namespace seaway::client {
 namespace {
@@ -228,10 +229,10 @@ Result<void> make_ready(Client& client, const QueryOptions& options, bool now) {
     if (options.local && options.source == Source::spectrum) {
         SEAWAY_TRY(client.subscribe_spectrum({}, options.timeout_s));
     } else if ((options.watch_hz > 0 || options.bench_points > 0) && options.local) {
-        constexpr int credit = 2;
         protocol::TileWish wish{.fields = sea::surface_fields};
         options.limits.put_into(wish);
-        SEAWAY_TRY_LET(const Grant grant, client.subscribe(wish, credit, options.timeout_s));
+        SEAWAY_TRY_LET(const Grant grant,
+                       client.subscribe(wish, protocol::limits::credit_default, options.timeout_s));
         if (!grant.why.empty())
             complain("seaway-query", 0, "granted less: " + grant.why);
     }

@@ -13,18 +13,17 @@ namespace seaway::client {
 
 namespace {
 
-/// Keyframes of both may be sampled together.
-bool same_maps(const SeaState& a, const SeaState& b) {
-    return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
-        return one.size == other.size && one.length_m == other.length_m;
-    });
-}
-
 std::string text(const flatbuffers::String* string) {
     return string ? string->str() : std::string();
 }
 
 } // namespace
+
+bool same_tiles(const SeaState& a, const SeaState& b) {
+    return std::ranges::equal(a.cascades, b.cascades, [](const auto& one, const auto& other) {
+        return one.size == other.size && one.length_m == other.length_m;
+    });
+}
 
 /// The same wish of a client that brings maps to their own grids.
 protocol::TileWish compact(protocol::TileWish wish) {
@@ -164,7 +163,7 @@ Result<void> Connection::take(const wire::SeaState& state) {
     SEAWAY_TRY(protocol::check(state));
     const auto value = std::make_shared<const SeaState>(protocol::values(state));
     // What is held of an epoch is sampled with whatever comes later of it.
-    if (const SeaStatePtr known = sea_state(value->epoch); known && !same_maps(*known, *value))
+    if (const SeaStatePtr known = sea_state(value->epoch); known && !same_tiles(*known, *value))
         return Error{
             fmt::format("a sea state replaces epoch {} by one of other cascades", value->epoch)};
     std::erase_if(sea_states_,

@@ -31,6 +31,8 @@ namespace seaway::client {
 
 using SeaState = protocol::SeaStateValues;
 using SeaStatePtr = std::shared_ptr<const SeaState>;
+/// Keyframes of both may be sampled together.
+bool same_tiles(const SeaState& a, const SeaState& b);
 
 struct ConnectOptions {
     std::string url{};                                  ///< ws://HOST:PORT or wss://HOST:PORT

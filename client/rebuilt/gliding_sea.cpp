@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "client/link/failure.h"
+#include "sea/surface/by_time.h"
 
 namespace seaway::client {
 namespace {
@@ -66,9 +67,7 @@ std::shared_ptr<const RebuiltSea> GlidingSea::at(sea::TimeUs time_us) const {
 void GlidingSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
                         std::span<sea::ErrorTerms> terms, std::uint32_t cascades) const {
     for (std::size_t first = 0; first < points.size();) {
-        std::size_t end = first + 1;
-        while (end < points.size() && points[end].time_us == points[first].time_us)
-            ++end;
+        const std::size_t end = sea::same_time_end(points, first);
         at(points[first].time_us)
             ->answer(points.subspan(first, end - first), answers.subspan(first, end - first),
                      terms.empty() ? terms : terms.subspan(first, end - first), cascades);

@@ -52,8 +52,7 @@ sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {
 
 void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer,
                            sea::ErrorTerms* terms) const {
-    const double sideways =
-        sea::surface_slope(answer) * std::max(waves_->choppiness.x, waves_->choppiness.y);
+    const double sideways = sea::surface_slope(answer) * waves_->choppiness.largest();
     const double inverse_m = answer.error_m + sea::exact_tolerance_m(point);
     const double waves_m = std::hypot(error_.height_m, sideways * error_.displacement_m);
     answer.error_m = inverse_m + waves_m;

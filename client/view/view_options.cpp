@@ -6,15 +6,12 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
-#include "client/link/failure.h"
-#include "client/link/url.h"
 #include "client/view/film_file.h"
 #include "client/view/look_options.h"
 #include "client/view/option_words.h"
@@ -24,8 +21,6 @@ namespace seaway::client {
 namespace {
 
 constexpr int side_max = 16384;
-constexpr double time_max_s = sea::seconds_from_us(sea::time_us_max);
-constexpr double timeout_min_s = 1e-3, timeout_max_s = 86400;
 
 constexpr const char* footer =
     "Yaw is a bearing (0 north, 90 east), pitch is positive upwards. The hour is solar time on "
@@ -88,9 +83,9 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
     double time_s = 0;
     if (text.empty() || text == "now")
         return {};
-    SEAWAY_TRY(require(parse_number(text, time_s) && std::abs(time_s) <= time_max_s,
+    SEAWAY_TRY(require(parse_number(text, time_s) && std::abs(time_s) <= sea::time_max_s,
                        fmt::format("--time {}: 'now', or sea time in seconds between {:g} and {:g}",
-                                   text, -time_max_s, time_max_s)));
+                                   text, -sea::time_max_s, sea::time_max_s)));
     options.time_s = time_s;
     return {};
 }
@@ -99,7 +94,6 @@ Result<void> read_time(const std::string& text, ViewOptions& options) {
 struct Words {
     std::string size, window, camera, debug = "final", time, quality, rate;
     int first = -1;
-    double timeout_s = std::numeric_limits<double>::quiet_NaN();
     LookWords look;
     bool list = false;
 };
@@ -121,10 +115,11 @@ Result<void> check_frames(const ViewOptions& options) {
     }
     const double last_s = options.rate.offset_s(
         std::max(options.frame(options.frames - 1), options.bench_frames - 1));
-    return require(options.time_s.value_or(0) + last_s <= time_max_s,
+    return require(options.time_s.value_or(0) + last_s <= sea::time_max_s,
                    fmt::format("--frames {}: the last is {} s after --time {}; sea time ends at "
                                "{:g} s",
-                               options.frames, last_s, options.time_s.value_or(0), time_max_s));
+                               options.frames, last_s, options.time_s.value_or(0),
+                               sea::time_max_s));
 }
 
 /// What is of files alone.
@@ -180,14 +175,13 @@ Result<void> check_window(const Words& words, const ViewOptions& options) {
 Result<void> check_source(const Words& words, const ViewOptions& options) {
     if (options.scene.empty()) {
         SEAWAY_TRY(require(!options.url.empty(), "URL is required, or --scene FILE"));
-        SEAWAY_TRY(parse_url(options.url));
-        return {};
+        return options.ServerOptions::check();
     }
     SEAWAY_TRY(require(options.url.empty(), "URL and --scene: one of them"));
     const std::pair<bool, const char*> of_servers[] = {
         {!options.token_file.empty(), "--token-file"},
         {!options.ca_file.empty(), "--ca-file"},
-        {!std::isnan(words.timeout_s), "--timeout"},
+        {options.timeout_s != ViewOptions().timeout_s, "--timeout"},
         {words.time == "now", "--time now"},
         {options.limits.rate_hz_max != 0, "--rate-max"},
         {options.limits.size_max != 0, "--size-max"}};
@@ -207,8 +201,6 @@ Result<void> check(const Words& words, const ViewOptions& options) {
 }
 
 Result<void> take(const Words& words, ViewOptions& options) {
-    if (!std::isnan(words.timeout_s))
-        options.timeout_s = words.timeout_s;
     options.offscreen = !words.size.empty();
     SEAWAY_TRY(require(!options.offscreen || words.window.empty(),
                        "--offscreen and --window: one of them"));
@@ -307,33 +299,11 @@ void describe(CommandLine& line, Words& words, ViewOptions& options) {
     line.option("--debug", words.debug, "what to show: VIEW[:key=value,...] or all (--list-debug)");
     line.option("--list-debug", words.list, "print the views of --debug and exit");
     line.option("--device", options.device, "Vulkan device: auto, an index, or part of a name");
-    line.option("--token-file", options.token_file, "file with the server's client token")
-        .takes("FILE");
-    line.option("--ca-file", options.ca_file, "certificates to trust besides the system's, PEM")
-        .takes("FILE");
     options.limits.describe(line);
-    line.option("--timeout", words.timeout_s, "seconds to wait for the server")
-        .between(timeout_min_s, timeout_max_s);
+    options.describe(line, "the token that the server asks for");
 }
 
 } // namespace
-
-ViewExit view_exit(const Error& error) {
-    if (error.is(OutputError::lost))
-        return ViewExit::cannot_write;
-    switch (failure_of(error)) {
-    case Failure::none:
-        return ViewExit::no_device;
-    case Failure::bad_argument:
-        return ViewExit::usage;
-    case Failure::refused:
-    case Failure::not_held:
-    case Failure::not_understood:
-        return ViewExit::refused;
-    default:
-        return ViewExit::lost;
-    }
-}
 
 std::variant<ViewOptions, int> read_view_options(int argc, const char* const* argv) {
     ViewOptions options;
@@ -353,11 +323,10 @@ std::variant<ViewOptions, int> read_view_options(int argc, const char* const* ar
     if (next && !leave && words.look.list)
         list_look_keys();
     if (leave || (next && (words.list || words.look.list)))
-        return status_after_output("seaway-view", static_cast<int>(ViewExit::done),
-                                   static_cast<int>(ViewExit::cannot_write));
+        return status_after_output("seaway-view", exit_done, exit_output);
     const Result<void> fine = next ? take(words, options) : Result<void>(next.error());
     if (!fine)
-        return complain("seaway-view", static_cast<int>(ViewExit::usage), fine.error().message);
+        return complain("seaway-view", exit_usage, fine.error().message);
     return options;
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <variant>
 
+#include "client/exit_code.h"
+#include "client/server_options.h"
 #include "client/tile_limits.h"
 #include "client/view/camera.h"
 #include "client/view/debug_views.h"
@@ -16,9 +18,10 @@
 
 namespace seaway::client {
 
-struct ViewOptions {
-    std::string url;        ///< of a server; empty: `scene` is made here
-    std::string scene;      ///< file
+struct ViewOptions : ServerOptions {
+    ViewOptions() { timeout_s = 20; }
+
+    std::string scene;      ///< file, of a sea that is made here; empty: `url` is a server's
     bool offscreen = false; ///< to files; else in a window
     Camera camera;          ///< with the size of the picture, or of the window
     int frames = 1;
@@ -38,9 +41,6 @@ struct ViewOptions {
     int bench_frames = 0;              ///< above 0: these are drawn and timed, no file is written
     std::string device = "auto";
     TileLimits limits; ///< of what is streamed
-    double timeout_s = 20;
-    std::string token_file;
-    std::string ca_file;
 
     /// Number of the i-th that is drawn.
     int frame(int i) const { return first.value_or(0) + i; }
@@ -52,19 +52,6 @@ struct ViewOptions {
         return of;
     }
 };
-
-/// Exit codes of seaway-view: the public contract.
-enum class ViewExit : int {
-    done = 0,
-    cannot_write = 1, ///< or no memory for what this program does itself
-    usage = 2,
-    no_device = 3,
-    lost = 5,    ///< cannot connect, connection lost, or no answer in time
-    refused = 6, ///< the server refused, or does not offer what a picture needs
-};
-
-/// Of an error on the way to a picture: the client's have kinds, those of the device have none of these.
-ViewExit view_exit(const Error& error);
 
 /// Options, or the code to exit with at once (--help, --version, --list-debug, a usage error that
 /// has been printed).

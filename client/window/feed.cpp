@@ -5,6 +5,7 @@
 
 #include "client/link/reconnect.h"
 #include "client/view/sea/sea_source.h"
+#include "protocol/limits.h"
 
 namespace seaway::client {
 
@@ -93,7 +94,7 @@ Result<std::shared_ptr<Client>> Feed::first_connection(const std::shared_ptr<Sta
                                    {.as_splines = true, .look_back_us = look_back_us}));
     protocol::TileWish wish{.fields = drawn_fields};
     state->limits.put_into(wish);
-    SEAWAY_TRY(client->subscribe(wish, credit, state->options.timeout_s));
+    SEAWAY_TRY(client->subscribe(wish, protocol::limits::credit_default, state->options.timeout_s));
     return client;
 }
 

@@ -36,8 +36,6 @@ struct FeedStatus {
 
 class Feed {
   public:
-    static constexpr int credit = 2;
-
     explicit Feed(const ConnectOptions& options, const TileLimits& limits = {});
     ~Feed();
     Feed(const Feed&) = delete;

@@ -33,20 +33,9 @@ std::string pair_text(double requested, double realised, const char* unit) {
 
 std::string flags_text(std::uint32_t flags) {
     std::string text;
-    const std::pair<std::uint32_t, const char*> names[] = {
-        {sea::answer_folded, "folded"},
-        {sea::answer_open, "open"},
-        {sea::answer_not_converged, "not converged"},
-        {sea::answer_extrapolated, "extrapolated"},
-        {sea::answer_invalid, "invalid"},
-        {sea::answer_exact, "exact"},
-        {sea::answer_vertical_velocity, "vertical velocity alone"},
-        {sea::answer_stale, "stale"},
-        {sea::answer_dry, "dry"},
-        {sea::answer_foam_late, "foam late"}};
-    for (const auto& [flag, name] : names)
-        if ((flags & flag) != 0)
-            text += (text.empty() ? "" : ", ") + std::string(name);
+    for (std::size_t bit = 0; bit < sea::answer_flag_names.size(); ++bit)
+        if ((flags >> bit & 1u) != 0)
+            text += (text.empty() ? "" : ", ") + std::string(sea::answer_flag_names[bit]);
     return text.empty() ? "none" : text;
 }
 

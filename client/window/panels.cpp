@@ -241,17 +241,6 @@ void Panels::camera(const WindowModel& model, ViewChoice& choice, Asked& asked) 
     ImGui::TextWrapped("W A S D, Q E; Shift: faster; drag to look; wheel: speed or distance");
 }
 
-void Panels::sea_itself() {
-    ImGui::TextWrapped("This window sends no changes yet: seaway-ctl set does.");
-    ImGui::BeginDisabled();
-    float wind_mps = 0, from_deg = 0, depth_m = 0;
-    ImGui::SliderFloat("wind", &wind_mps, 0, 40, "- m/s");
-    note("wind");
-    ImGui::SliderFloat("from", &from_deg, 0, 360, "- deg");
-    ImGui::SliderFloat("depth", &depth_m, 0, 1000, "- m");
-    ImGui::EndDisabled();
-}
-
 Panels::Asked Panels::draw(const WindowModel& model, ViewChoice& choice) {
     Asked asked;
     overlay(model);
@@ -290,8 +279,6 @@ Panels::Asked Panels::draw(const WindowModel& model, ViewChoice& choice) {
         table("rates", model.rates);
     if (header("Time a pass", false))
         table("passes", model.passes);
-    if (header("Change the sea", false))
-        sea_itself();
     ImGui::PopItemWidth();
     const ImVec2 low = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
     box_ = {{low.x, low.y}, {low.x + size.x, low.y + size.y}};

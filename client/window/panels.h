@@ -45,7 +45,6 @@ class Panels {
     void look_file(const WindowModel& model, ViewChoice& choice, Asked& asked);
     void debug(const WindowModel& model, DebugChoice& choice);
     void camera(const WindowModel& model, ViewChoice& choice, Asked& asked);
-    void sea_itself();
 
     Box box_;
     std::map<std::string, Box> places_;

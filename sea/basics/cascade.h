@@ -9,6 +9,7 @@
 // Pure functions; thread-safe.
 #pragma once
 
+#include <cstdint>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -26,6 +27,9 @@ struct CascadeSpec {
     double nyquist_radpm() const { return std::numbers::pi * size / length_m; }
     double spacing_m() const { return length_m / size; }
 };
+
+/// Of a sea, a bit each.
+inline constexpr std::uint32_t all_cascades = 0xffffffffu;
 
 /// Half-open range of |k|, rad/m.
 struct Band {

@@ -181,6 +181,8 @@ class FieldSet {
     std::uint32_t bits_ = 0;
 };
 
+inline constexpr FieldSet all_fields = FieldSet::from_bits(~0u);
+
 /// Every linear field; field_table says which.
 inline constexpr FieldSet linear_fields = [] {
     FieldSet linear;

@@ -36,6 +36,7 @@ inline constexpr double microseconds_per_second = 1e6;
 inline constexpr double seconds_from_us(TimeUs t_us) {
     return static_cast<double>(t_us) / microseconds_per_second;
 }
+inline constexpr double time_max_s = seconds_from_us(time_us_max);
 
 /// Nearest microsecond. |t_s| up to 9.2e12 s.
 inline TimeUs us_from_seconds(double t_s) {

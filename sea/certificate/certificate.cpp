@@ -35,6 +35,8 @@ bool outside(double value, double low, double high) {
     return value < low * (1.0 - rounding_share) || value > high * (1.0 + rounding_share);
 }
 
+} // namespace
+
 std::string metres(double value_m) {
     if (value_m >= 1.0)
         return fmt::format("{:.3g} m", value_m);
@@ -42,12 +44,10 @@ std::string metres(double value_m) {
                            : fmt::format("{:.3g} mm", 1000.0 * value_m);
 }
 
-} // namespace
-
 SeaPoint sea_point(const Scene& scene, const SeaStatistics& requested) {
     const Choppiness& choppiness = scene.sea.choppiness;
     SeaPoint point{requested.significant_height_m, requested.peak_period_s, scene.sea.depth_m,
-                   scene.effects.choppy ? std::max(choppiness.x, choppiness.y) : 0.0, 0.0};
+                   scene.effects.choppy ? choppiness.largest() : 0.0, 0.0};
     for (const WaveSystem& system : scene.sea.systems)
         if (const auto* wind = std::get_if<WindSea>(&system))
             point.wind_speed_10m_mps = std::max(point.wind_speed_10m_mps, wind->wind_speed_10m_mps);

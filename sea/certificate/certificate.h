@@ -19,6 +19,9 @@
 
 namespace seaway::sea {
 
+/// "3.78 cm": in the unit in which it is read most easily.
+std::string metres(double value_m);
+
 /// A sea in the terms of an envelope.
 struct SeaPoint {
     double hs_m;

@@ -22,7 +22,7 @@
 //     FoamHistory history(law, cascade, size, interval_us);    // one a cascade that someone wants
 //     // each keyframe: does the ticks that are due, or starts anew after a pause or at the first call
 //     Result<void> done = history.advance_to(time_us, [&](TimeUs t_us) {
-//         return synthesize_one({cascade, t_us, foam_inputs});  // Result<KeyframePtr>
+//         return strains_at(t_us);  // Result<KeyframePtr>, of foam_inputs
 //     });
 //     history.fill(keyframe.plane(Field::foam));
 //     // beside the maps, once a message: law->mean_coverage

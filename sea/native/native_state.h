@@ -19,7 +19,6 @@ FieldRecipe recipe(const FieldInfo& info);
 
 struct TransformState {
     const Kernels* kernels = nullptr;
-    Instructions instructions = Instructions::portable;
     Choppiness choppiness;
     std::vector<Block> blocks; ///< with waves
     AlignedFloats records;     ///< as ColumnPass takes them

@@ -201,17 +201,12 @@ int NativeTransform::size() const {
     return state_->kernels->size;
 }
 
-Instructions NativeTransform::instructions() const {
-    return state_->instructions;
-}
-
 Result<NativeTransform> NativeTransform::create(const CascadeModes& modes, Choppiness choppiness,
                                                 Instructions instructions) {
     SEAWAY_TRY(validate(modes));
     auto state = std::make_unique<TransformState>();
     state->kernels = find_kernels(instructions, modes.spec.size);
     SEAWAY_CHECK(state->kernels != nullptr, "a size without kernels");
-    state->instructions = instructions;
     state->choppiness = choppiness;
     std::size_t records = 0;
     state->blocks = find_blocks(modes, state->kernels->lanes, records);

@@ -36,7 +36,6 @@ class NativeTransform {
     ~NativeTransform();
 
     int size() const;
-    Instructions instructions() const;
 
   private:
     friend class native::Batch;

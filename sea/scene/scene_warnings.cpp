@@ -78,8 +78,16 @@ void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
         if (measured != nullptr)
             warn_of_measured(*measured, fmt::format("sea.system[{}]", i + 1), warnings);
         const auto* ramps = std::get_if<SineRamps>(&system);
-        if (ramps == nullptr || ramps->by_hand.empty())
-            continue; // ramps are a look; a list means what it says
+        if (ramps == nullptr)
+            continue;
+        if (ramps->by_hand.empty()) { // a look: what snapping changes is no fault of it
+            if (ramps->wavelength_m > ramps->length_m)
+                warnings.push_back(fmt::format(
+                    "sea.system[{}]: waves of {:g} m do not fit on {:g} m, after which they "
+                    "repeat: such waves become the longest that do, in about their direction",
+                    i + 1, ramps->wavelength_m, ramps->length_m));
+            continue;
+        }
         const SineSnapping moved =
             sine_snapping(*ramps, scene.sea.seed, static_cast<std::uint32_t>(i));
         if (moved.wavelength_share > snapping_reported || moved.direction_rad > snapping_reported)
@@ -93,14 +101,16 @@ void warn_of_systems(const Scene& scene, std::vector<std::string>& warnings) {
 
 void warn_of_folds(const Scene& scene, const SeaSummary& summary,
                    std::vector<std::string>& warnings) {
-    const double rms_strain = std::sqrt(summary.realised.mean_square_strain);
-    const double choppiness = std::max(scene.sea.choppiness.x, scene.sea.choppiness.y);
-    if (choppiness * rms_strain > folds_common_above)
+    const Choppiness& choppiness = scene.sea.choppiness;
+    if (summary.rms_squeeze > folds_common_above)
         warnings.push_back(fmt::format(
-            "choppiness {:.2g} and an rms strain of {:.2g} fold about {:.2g} % of the surface: "
+            "choppiness {} and an rms strain of {:.2g} fold about {:.2g} % of the surface: "
             "where it folds there are several heights, and answers are flagged",
-            choppiness, rms_strain,
-            50.0 * std::erfc(1.0 / (std::sqrt(2.0) * choppiness * rms_strain))));
+            choppiness.x == choppiness.y
+                ? fmt::format("{:.2g}", choppiness.x)
+                : fmt::format("[{:.2g}, {:.2g}]", choppiness.x, choppiness.y),
+            std::sqrt(summary.realised.mean_square_strain),
+            50.0 * std::erfc(1.0 / (std::sqrt(2.0) * summary.rms_squeeze))));
 }
 
 /// What the lattice does to a system whatever the seed (hard case A16), above 1 %.
@@ -202,7 +212,7 @@ void warn_of_time_and_depth(const Scene& scene, const Realization& realization,
 }
 
 /// Few waves carry the sea: those of a tile that is short beside the peak, or of a narrow one on any tile.
-void warn_of_scatter(const Scene& scene, const SeaSummary& summary,
+void warn_of_scatter(const Scene& scene, const Realization& realization, const SeaSummary& summary,
                      std::vector<std::string>& warnings) {
     const double tile = scene.cascades.front().length_m;
     const double peak = summary.longest_peak_wavelength_m;
@@ -214,11 +224,18 @@ void warn_of_scatter(const Scene& scene, const SeaSummary& summary,
             "the largest cascade ({:g} m) holds {:.1f} peak wavelengths of {:.0f} m, fewer than "
             "{:g}: Hs of one seed scatters by {:.0f} %",
             tile, tile / peak, peak, tile_wavelengths_min, 100.0 * scatter));
-    else if (scatter > scatter_reported)
+    else if (scatter > scatter_reported) {
+        const auto scatters_m2 = [](const CascadeVariance& one) {
+            return one.expected_scatter * one.requested_m2;
+        };
+        const auto most = std::ranges::max_element(summary.cascades, {}, scatters_m2);
         warnings.push_back(fmt::format(
-            "so narrow a sea has few waves on the largest cascade ({:g} m, {:.1f} peak "
-            "wavelengths): Hs of one seed scatters by {:.0f} %; a longer one scatters less",
-            tile, tile / peak, 100.0 * scatter));
+            "so narrow a sea has few waves on the cascade of {:g} m: Hs of one seed scatters by "
+            "{:.0f} %; a longer one in its place scatters less",
+            realization.cascades[static_cast<std::size_t>(most - summary.cascades.begin())]
+                .spec.length_m,
+            100.0 * scatter));
+    }
 }
 
 } // namespace
@@ -236,7 +253,7 @@ std::vector<std::string> scene_warnings(const Scene& scene, const Realization& r
     if (!(height > 0.0))
         return warnings;
     const double variance = height * height / 16.0;
-    warn_of_scatter(scene, summary, warnings);
+    warn_of_scatter(scene, realization, summary, warnings);
     if (height > breaking_height_over_depth * scene.sea.depth_m)
         warnings.push_back(fmt::format(
             "Hs {:.2f} m is above {:g} of the depth, {:g} m: such waves break, outside the model",

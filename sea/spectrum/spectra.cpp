@@ -89,10 +89,6 @@ double FrequencySpectrum::density(double omega) const {
     return std::isinf(depth_m_) ? s : s * kitaigorodskii_factor(omega, depth_m_, gravity_mps2_);
 }
 
-double FrequencySpectrum::gamma() const {
-    return std::exp(log_gamma_);
-}
-
 double grown_sea_wind_10m_mps(double variance_m2, double gravity_mps2) {
     // m0 = alpha U^4 / (4 beta g^2), U at 19.5 m.
     constexpr double beta = 0.74;

@@ -37,7 +37,6 @@ class FrequencySpectrum {
     bool empty() const { return peak_omega_ <= 0.0; }
     double peak_omega_radps() const { return peak_omega_; } ///< of the deep-water form
     bool growth_clamped() const { return growth_clamped_; }
-    double gamma() const;
 
   private:
     double scale_ = 0.0; ///< the factor of w^-5, m2 (rad/s)^4

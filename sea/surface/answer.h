@@ -2,11 +2,13 @@
 // What one asks of the sea at a point, and what one gets.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
 
+#include "sea/basics/cascade.h"
 #include "sea/basics/time.h"
 
 namespace seaway::sea {
@@ -45,9 +47,15 @@ enum AnswerFlag : std::uint32_t {
     answer_foam_late = 1u << 9,
 };
 
+/// Their names, in the order of their bits.
+inline constexpr std::array answer_flag_names{
+    "folded", "not_converged", "extrapolated", "invalid",  "exact", "vertical_velocity",
+    "open",   "stale",         "dry",          "foam_late"};
+static_assert(1u << (answer_flag_names.size() - 1) == answer_foam_late);
+
 /// Which waves count. A hull that is L long does not feel waves that are much shorter.
 struct Looking {
-    std::uint32_t cascades = 0xffffffffu; ///< a bit each
+    std::uint32_t cascades = all_cascades; ///< a bit each
     /// Cascades all of whose waves are shorter are left out; shorter waves of a cascade that has longer ones
     /// too stay.
     double min_wavelength_m = 0;

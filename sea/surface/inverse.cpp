@@ -163,7 +163,7 @@ Answer invalid_answer() {
 
 FoldSearch fold_search(double reach_m, const Choppiness& choppiness, double rms_strain) {
     constexpr double reach_min_m = 1e-3;
-    const double squeeze = std::max(choppiness.x, choppiness.y) * rms_strain;
+    const double squeeze = choppiness.largest() * rms_strain;
     return {std::max(reach_m, reach_min_m), squeeze > folds_searched_above};
 }
 

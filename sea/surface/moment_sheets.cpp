@@ -9,7 +9,7 @@ std::optional<Box> MomentSheets::others(Vec2 target, const Vec2* root, bool susp
     const bool any_place = options_.folds.always || strain_blur() >= fold_suspected_below;
     if (root != nullptr && !suspected && !any_place)
         return std::nullopt;
-    const double sideways = std::max(options_.choppiness.x, options_.choppiness.y);
+    const double sideways = options_.choppiness.largest();
     RecycledVector<double> reach_m;
     double all_m = 0;
     blur_m_ = options_.tolerance_m + sideways * options_.blur.displacement_m;

@@ -28,7 +28,7 @@ class MomentSheets final : public PatchSheets {
     std::optional<Box> others(Vec2 target, const Vec2* root, bool suspected) override;
     double blur_m() const override { return blur_m_; }
     double strain_blur() const override {
-        return std::max(options_.choppiness.x, options_.choppiness.y) * options_.blur.strain;
+        return options_.choppiness.largest() * options_.blur.strain;
     }
     double height_blur_m() const override { return height_blur_m_; }
     bool newton_decides() const override { return !(options_.blur.strain > 0); }

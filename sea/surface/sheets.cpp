@@ -76,8 +76,7 @@ struct Node {
 class Search {
   public:
     Search(const SheetSearch& search, const SheetField& field)
-        : search_(search), field_(field),
-          sideways_(std::max(search.choppiness.x, search.choppiness.y)),
+        : search_(search), field_(field), sideways_(search.choppiness.largest()),
           finest_m2_(field.spacing_m() * field.spacing_m()) {
         if (search.known) {
             best_m_ = field.height(*search.known);

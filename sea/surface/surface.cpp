@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/recycled.h"
+#include "sea/surface/by_time.h"
 #include "sea/surface/maps/hermite.h"
 #include "sea/surface/steepness.h"
 #include "sea/surface/surface_at_time.h"
@@ -88,7 +89,7 @@ double interval_s(const SplinePair& pair) {
 Surface::Surface(std::span<const SplinePair> pairs, Choppiness choppiness, FoldSearch folds,
                  const MapError& error, double tolerance_m)
     : number_(next_number()), choppiness_(choppiness), folds_(folds), error_(error),
-      tolerance_m_(tolerance_m), sideways_(std::max(choppiness.x, choppiness.y)) {
+      tolerance_m_(tolerance_m), sideways_(choppiness.largest()) {
     SEAWAY_CHECK(pairs.size() <= surface_pairs_max, "a surface has 16 cascades at most");
     for (const SplinePair& pair : pairs)
         pairs_.push_back(pair);
@@ -330,9 +331,7 @@ void Surface::answer(std::span<const QueryPoint> points, std::span<Answer> answe
     const std::span<const PointTile> unmixed(tiles_.data(), tiles_.size());
     std::size_t begun = 0; // of those that nothing is mixed for
     for (std::size_t first = 0; how.mixed != nullptr && first < points.size();) {
-        std::size_t end = first + 1;
-        while (end < points.size() && points[end].time_us == points[first].time_us)
-            ++end;
+        const std::size_t end = same_time_end(points, first);
         MixedMaps::Lent lent;
         // What to keep count of it costs is nothing to a block.
         if (end - first >= PointBlock::size || points.size() == 1)

@@ -24,7 +24,7 @@ static_assert(sizeof(StrainBounds) == sizeof(F4));
 
 SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
     : PatchSheets(surface.choppiness()), surface_(surface),
-      more_sideways_(std::max(surface.choppiness().x, surface.choppiness().y)),
+      more_sideways_(surface.choppiness().largest()),
       less_sideways_(std::min(surface.choppiness().x, surface.choppiness().y)) {
     blur_m_ = rounding_m + surface.fold_blur_m();
     height_blur_m_ = rounding_m + surface.flat_height_bound_m();

@@ -53,8 +53,11 @@ class DirectionalSpectrum {
     /// Outside these no energy is kept.
     Band cutoffs() const { return cutoffs_; }
 
+    /// Waves ever shorter turn ever faster, and add ever more to m2: of Phillips' saturation with surface tension.
+    bool m2_diverges() const {
+        return phillips_constant_ > 0.0 && dispersion_.surface_tension_m3ps2 > 0.0;
+    }
     bool empty() const { return peak_omega_ <= 0.0; }
-    double towards_rad() const { return towards_; }
     double peak_omega_radps() const { return peak_omega_; } ///< 0 if there are no waves
     struct Peak {
         double omega_radps;

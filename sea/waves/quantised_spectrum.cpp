@@ -105,7 +105,7 @@ int block_of(int n) {
 class Quantiser {
   public:
     Quantiser(const Realization& sea, const SpectrumAccuracy& wanted)
-        : wanted_(wanted), sideways_(std::max(sea.choppiness.x, sea.choppiness.y)) {
+        : wanted_(wanted), sideways_(sea.choppiness.largest()) {
         for (std::size_t c = 0; c < sea.cascades.size(); ++c)
             take(sea.cascades[c], static_cast<int>(c));
         for (const Wave& wave : waves_)

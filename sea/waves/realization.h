@@ -66,6 +66,7 @@ struct Choppiness {
     double x = 1.0;
     double y = 1.0;
 
+    double largest() const { return std::max(x, y); }
     bool operator==(const Choppiness&) const = default;
 };
 
@@ -85,9 +86,6 @@ struct Realization {
 };
 
 using RealizationPtr = std::shared_ptr<const Realization>;
-
-/// Of a sea, a bit each.
-inline constexpr std::uint32_t all_cascades = 0xffffffffu;
 
 /// What its modes take in memory.
 inline std::size_t bytes_of(const Realization& sea) {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 
+#include "base/elapsed.h"
 #include "sea/surface/maps/sine_maps.h"
 
 namespace seaway::server {
@@ -20,8 +21,7 @@ void add_stylised(std::span<const KeyframeRequest> requests, const sea::Realizat
     if (sums == 0)
         return;
     counters.stylised_sums += sums;
-    counters.device_seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    counters.device_seconds += seconds_since(start);
 }
 
 } // namespace seaway::server

@@ -62,7 +62,7 @@ struct KeyframeRequest {
 
 /// The fields of a request that transforms fill, and the Jacobian.
 inline constexpr sea::FieldSet synthesized(sea::FieldSet fields) {
-    return sea::FieldSet::from_bits(fields.bits() & ~sea::FieldSet{sea::Field::foam}.bits());
+    return fields.without({sea::Field::foam});
 }
 
 /// Those that ask for a keyframe, and not for a tick of a foam history alone.

@@ -106,10 +106,6 @@ Result<void> compare(int size, std::string_view what, int x, int y, double got, 
                      ") is " + std::to_string(got) + ", should be " + std::to_string(truth.value)};
 }
 
-constexpr sea::FieldSet without(sea::FieldSet fields, sea::FieldSet less) {
-    return sea::FieldSet::from_bits(fields.bits() & ~less.bits());
-}
-
 /// A tick that breaks on both sides of its threshold, with others' strains and a bias.
 sea::FoamTick check_tick() {
     return {0.9f,   0.05f,  1.3f,   0.7f,   0.95f, 0.02f, 0.1f, 0.2f,
@@ -182,8 +178,8 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
               std::vector<float>(points),
               {}};
     SEAWAY_TRY(run_derived(device, kernels, **batch, job, maps));
-    const sea::FieldSet others = without(
-        sea::linear_fields, sea::strain_fields); // maps of 2048 do not all stand side by side
+    // Maps of 2048 do not all stand side by side.
+    const sea::FieldSet others = sea::linear_fields.without(sea::strain_fields);
     SEAWAY_TRY((*batch)->run({&job, 1}, pack(others), {}));
     for (const sea::Field field : others)
         (*batch)->read_map(VulkanBatch::own, 0, pack(others).map_of(field),

@@ -132,7 +132,7 @@ bool full(const std::bitset<quality_rungs>& in_use) {
 void grant_maps(Demand& granted, const Demand& wish, Budgets budgets, FieldSet offered,
                 const Rung& rung) {
     granted.cascades = wish.cascades & ((1u << budgets.front()->cascades.size()) - 1u);
-    if (wish.cascades != ~0u && granted.cascades != wish.cascades)
+    if (wish.cascades != sea::all_cascades && granted.cascades != wish.cascades)
         say(granted.why, fmt::format("this sea has {} cascades", budgets.front()->cascades.size()));
     granted.fields = wish.fields & offered;
     if (const FieldSet missing = wish.fields.without(granted.fields); !missing.empty())

@@ -93,7 +93,7 @@ inline bool is_regridded(const sea::ErrorBudget& budget, const Rung& rung) {
 /// Bound on a height from tiles of this rung, all parts together, on level water, m. Of those of `cascades`, a bit each, maps
 /// may be coarser; the others, which nobody wants of it, are as fine as the sea has them, coded alike.
 inline double height_error_m(const sea::ErrorBudget& budget, Quality quality,
-                             std::uint32_t cascades = ~0u) {
+                             std::uint32_t cascades = sea::all_cascades) {
     const Rung rung = rung_of(quality);
     std::vector<sea::CoarserMaps> maps;
     for (std::size_t c = 0; c < budget.cascades.size(); ++c)

@@ -4,6 +4,11 @@
 // device it was.
 #pragma once
 
+#include <string>
+#include <utility>
+
+#include "base/result.h"
+
 namespace seaway::server {
 
 enum class Refusal {
@@ -12,5 +17,15 @@ enum class Refusal {
     busy,        ///< too much waits already: to be asked again later
     gone,        ///< the device has failed for good, or the server stops
 };
+
+/// To be asked again in a second.
+inline Error busy(std::string why) {
+    Error error{Refusal::busy, std::move(why)};
+    error.retry_after_ms = 1000;
+    return error;
+}
+inline Error no_memory() {
+    return busy("there is no memory for this now, try again later");
+}
 
 } // namespace seaway::server

@@ -41,9 +41,9 @@ Result<std::unique_ptr<Journal>> open_shared(const NatsPlace& place, const Begin
     const auto until = std::chrono::steady_clock::now() + start_patience;
     while (true) {
         SEAWAY_TRY_LET(NatsConnection connection, NatsConnection::make(place));
-        Result<std::unique_ptr<SharedJournal>> journal = SharedJournal::open(
-            std::make_unique<NatsLog>(std::move(connection)), beginning,
-            {place.name(), writer_name(), SeaClock::steady_now_us, SeaClock::utc_now_us});
+        Result<std::unique_ptr<SharedJournal>> journal =
+            SharedJournal::open(std::make_unique<NatsLog>(std::move(connection)), beginning,
+                                {place.name(), writer_name(), local_now_us, SeaClock::utc_now_us});
         if (journal) {
             SEAWAY_TRY_LET(NatsConnection line, NatsConnection::make(place));
             (*journal)->talk_over(std::make_unique<NatsPeers>(std::move(line)));

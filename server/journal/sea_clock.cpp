@@ -8,18 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "base/local_clock.h"
-
 namespace seaway::server {
 
 std::int64_t SeaClock::utc_now_us() {
     return std::chrono::duration_cast<std::chrono::microseconds>(
                std::chrono::system_clock::now().time_since_epoch())
         .count();
-}
-
-std::int64_t SeaClock::steady_now_us() {
-    return local_now_us();
 }
 
 SeaClock::SeaClock(std::int64_t epoch_utc_us, Microseconds utc, Microseconds steady,

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "base/local_clock.h"
 #include "sea/basics/pace.h"
 #include "sea/basics/time.h"
 
@@ -52,7 +53,7 @@ class SeaClock {
 
     /// `utc`: since 1970-01-01T00:00:00Z; `steady`: never set, from anywhere. Those of the machine if not given.
     explicit SeaClock(std::int64_t epoch_utc_us, Microseconds utc = utc_now_us,
-                      Microseconds steady = steady_now_us, sea::Paces paces = {});
+                      Microseconds steady = local_now_us, sea::Paces paces = {});
 
     /// From its moment on. Where that is past, sea time stands until the new pace has come to where it is (SeaMoment::ahead_us),
     /// or goes back to where that is, if it is far (Paces::are_far_behind): there all clients are.
@@ -73,7 +74,6 @@ class SeaClock {
     sea::TimeUs now_us() { return moment().now_us; }
 
     static std::int64_t utc_now_us();
-    static std::int64_t steady_now_us();
 
   private:
     SeaMoment locked_moment();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "base/messages.h"
 #include "protocol/limits.h"
 #include "server/net/session.h"
 
@@ -68,8 +69,8 @@ std::chrono::milliseconds Core::pause_of_all(double least_s) const {
 
 void Core::begin_to_hand_over(const std::string& why) {
     retry_after = pause_of_all(hand_over_s_min);
-    log_act(fmt::format("event=handing_over sessions={} retry_after_ms={} why=\"{}\"",
-                        sessions.size(), retry_after.count(), why));
+    log_act(fmt::format("event=handing_over sessions={} retry_after_ms={} why={}", sessions.size(),
+                        retry_after.count(), in_quotes(why)));
 }
 
 void Core::begin_to_stop() {

@@ -21,18 +21,9 @@ Error tiles_too_large(std::size_t bytes_max) {
 }
 
 Error no_room_for(std::string_view what) {
-    Error busy{Refusal::busy,
-               fmt::format("{} that nobody has read yet fill the memory there is for "
-                           "them, try again later",
-                           what)};
-    busy.retry_after_ms = 1000;
-    return busy;
-}
-
-Error no_memory() {
-    Error busy{Refusal::busy, "there is no memory for this now, try again later"};
-    busy.retry_after_ms = 1000;
-    return busy;
+    return busy(fmt::format("{} that nobody has read yet fill the memory there is for "
+                            "them, try again later",
+                            what));
 }
 
 FetchJob::~FetchJob() {

@@ -25,8 +25,6 @@ struct FetchedTiles {
 /// Refusals: more than one session may be sent; what nobody has read yet fills its share of the memory.
 Error tiles_too_large(std::size_t bytes_max);
 Error no_room_for(std::string_view what);
-/// A refusal, too: it may be asked again.
-Error no_memory();
 
 class FetchJob : public std::enable_shared_from_this<FetchJob> {
   public:

@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/hash.h"
+#include "base/messages.h"
 #include "base/text_file.h"
 
 namespace seaway::server {
@@ -12,15 +13,6 @@ namespace {
 
 /// Of scenes, options, tokens and certificates.
 constexpr std::size_t file_bytes_max = 16u * 1024 * 1024;
-
-/// As a value of a log line, whole.
-std::string in_quotes(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-        if (c < ' ' || c == '"' || c == '\x7f')
-            c = '?';
-    return '"' + out + '"';
-}
 
 } // namespace
 

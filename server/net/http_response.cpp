@@ -11,6 +11,7 @@
 #include <boost/beast/http.hpp>
 #include <fmt/format.h>
 
+#include "base/messages.h"
 #include "server/net/tokens.h"
 
 namespace seaway::server {
@@ -85,8 +86,8 @@ void note_bad_peer(Core& core, const Peer& peer, std::string_view what, std::str
     ++core.counters.handshakes_failed;
     if (const std::uint64_t count =
             peer.address->turn_away(Crowding::not_understood, Bucket::Clock::now()))
-        core.log(fmt::format("event=connection_refused peer={} reason=bad_{} count={} why=\"{}\"",
-                             peer.name, what, count, printable(why)));
+        core.log(fmt::format("event=connection_refused peer={} reason=bad_{} count={} why={}",
+                             peer.name, what, count, in_quotes(printable(why))));
 }
 
 } // namespace seaway::server

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/messages.h"
 #include "sockets/frame_header.h"
 
 namespace seaway::server {
@@ -54,8 +55,8 @@ void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
                 return;
             if (!encoded) {
                 ++here->counters.keyframes_wrong;
-                return here->log(
-                    fmt::format("event=keyframe_refused why=\"{}\"", encoded.error().message));
+                return here->log(fmt::format("event=keyframe_refused why={}",
+                                             in_quotes(encoded.error().message)));
             }
             ++here->counters.keyframes_published;
             here->deliveries.add({*encoded, file, sea_state});

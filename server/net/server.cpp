@@ -17,6 +17,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 
+#include "base/messages.h"
 #include "base/thread_name.h"
 #include "server/net/connection.h"
 #include "server/net/credentials.h"
@@ -92,7 +93,7 @@ class Listener {
         if (!acceptor_.is_open() || error == asio::error::operation_aborted)
             return;
         if (error) {
-            core_.log(fmt::format("event=accept_failed why=\"{}\"", error.message()));
+            core_.log(fmt::format("event=accept_failed why={}", in_quotes(error.message())));
             timer_.expires_after(accept_pause);
             timer_.async_wait([this](error_code waited) {
                 if (!waited)

@@ -8,9 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "base/messages.h"
 #include "protocol/limits.h"
 #include "server/net/fetch_job.h"
 #include "server/net/refusals.h"
+#include "server/net/session_behind.h"
 #include "server/net/tokens.h"
 
 namespace seaway::server {
@@ -112,19 +114,26 @@ void Session::on_hello(const wire::Hello& hello) {
         return close(ErrorCode::unauthorised, "token missing or wrong");
     greeted_ = true;
     client_ = printable(hello.client() ? hello.client()->string_view() : "");
-    core_.log(fmt::format("event=session_open session={} peer={} client=\"{}\" administrator={}",
-                          id_, peer_.name, client_, standing_ == Standing::administrator));
+    core_.log(fmt::format("event=session_open session={} peer={} client={} administrator={}", id_,
+                          peer_.name, in_quotes(client_), standing_ == Standing::administrator));
     reply(protocol::welcome(id_, "seaway " SEAWAY_VERSION, core_.host.sea_time()));
     for (const protocol::SharedBytes& state : core_.host.sea_state_messages())
         announce(state);
+}
+
+bool Session::fetches_too_many(std::uint32_t request_id) {
+    if (fetches_in_flight_ + outbox_.fetches_waiting() < limits::fetches_in_flight_max)
+        return false;
+    refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
+    return true;
 }
 
 void Session::on_subscribe(const wire::Subscribe& subscribe) {
     const std::uint32_t request_id = subscribe.request_id();
     if (const Result<void> fine = protocol::check(subscribe); !fine)
         return refuse(request_id, fine.error());
-    if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
-        return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
+    if (fetches_too_many(request_id))
+        return;
     Demand wish{.cascades = subscribe.cascades(),
                 .fields = sea::FieldSet::from_bits(subscribe.fields()),
                 .error_m = subscribe.error_m(),
@@ -228,8 +237,8 @@ void Session::on_fetch(const wire::Fetch& request) {
     const std::uint32_t request_id = request.request_id();
     if (const Result<void> fine = protocol::check(request); !fine)
         return refuse(request_id, fine.error());
-    if (fetches_in_flight_ + outbox_.fetches_waiting() >= limits::fetches_in_flight_max)
-        return refuse(request_id, {ErrorCode::too_many_requests, "earlier fetches are not done"});
+    if (fetches_too_many(request_id))
+        return;
     fetch(request_id, {request.times_us()->begin(), request.times_us()->end()},
           {.cascades = request.cascades(),
            .fields = sea::FieldSet::from_bits(request.fields()),
@@ -243,13 +252,8 @@ void Session::fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us,
     ++core_.counters.fetches;
     FetchJob::GiveBack give_back = [core = core_.weak_from_this(), session = id_,
                                     request_id](Result<FetchedTiles> encoded) {
-        const std::shared_ptr<Core> alive = core.lock();
-        if (alive == nullptr)
-            return;
-        alive->post([core, session, request_id, encoded = std::move(encoded)] {
-            const std::shared_ptr<Core> here = core.lock();
-            if (Session* found = here ? here->find(session) : nullptr)
-                found->or_drop([&] { found->fetched(request_id, encoded); });
+        later(core, session, [request_id, encoded = std::move(encoded)](Session& found) {
+            found.fetched(request_id, encoded);
         });
     };
     const auto job =
@@ -408,10 +412,10 @@ void Session::end(std::string_view reason, std::string_view why) {
     core_.counters.outboxes += outbox_.counters();
     ++core_.counters.sessions_closed[std::string(reason)];
     const std::chrono::duration<double> open = std::chrono::steady_clock::now() - opened_;
-    core_.log(fmt::format("event=session_closed session={} peer={} reason={} why=\"{}\" "
+    core_.log(fmt::format("event=session_closed session={} peer={} reason={} why={} "
                           "open_s={:.1f} messages_sent={} bytes_sent={}",
-                          id_, peer_.name, reason, printable(why), open.count(), messages_sent_,
-                          bytes_sent_));
+                          id_, peer_.name, reason, in_quotes(printable(why)), open.count(),
+                          messages_sent_, bytes_sent_));
     outbox_ = Outbox(); // what waited is released now, not when the connection goes
 }
 

@@ -97,6 +97,9 @@ class Session {
     void on_change(const wire::Change& change);
     void on_administer(const wire::Administer& administer);
     void changed(std::uint32_t request_id, const Result<SeaPromise>& promise);
+    /// On any thread: `take`, on the network's, of a session if it is still there.
+    template <class Take>
+    static void later(const std::weak_ptr<Core>& core, SessionId id, Take take);
     /// `ask`s the host where spectra are made, so that the network's thread does not wait for it; then `take`, on that thread, of
     /// this session if it is still there. Where there is no memory that is the answer. False: too much waits already.
     template <class Ask, class Take>
@@ -115,6 +118,7 @@ class Session {
     bool shares_coarser_maps(const Demand& wish) const;
     /// Is a keyframe of one that the session is sent?
     bool takes(const EncodedKeyframe& keyframe);
+    bool fetches_too_many(std::uint32_t request_id); ///< and says so
     void fetch(std::uint32_t request_id, std::vector<sea::TimeUs> times_us, const Demand& demand);
     void fetched(std::uint32_t request_id, const Result<FetchedTiles>& encoded);
     /// A query that is under way.

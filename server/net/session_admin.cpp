@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // What administrators may ask of a session: changes of the sea, and what there is.
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -60,13 +58,6 @@ Result<SeaWish> wish_of(const wire::Change& change, int in_flight) {
     return wish;
 }
 
-/// Whole, for the log: who runs the server reads what an administrator elsewhere was told.
-std::string in_quotes(const std::string& why) {
-    std::string text = seaway::printable(why);
-    std::ranges::replace(text, '"', '\'');
-    return text;
-}
-
 /// For the log: all of it, long values cut. A scene that two servers name alike is the same.
 std::string what_of(const SeaWish& wish) {
     if (wish.pace_permille)
@@ -76,7 +67,7 @@ std::string what_of(const SeaWish& wish) {
                            hex_hash(wish.scene));
     std::string what;
     for (const TomlAssignment& one : wish.set) {
-        const std::string text = in_quotes(one.path + "=" + one.value);
+        const std::string text = seaway::printable(one.path + "=" + one.value);
         std::size_t most = 120;
         while (most < text.size() && (static_cast<unsigned char>(text[most]) & 0xc0u) == 0x80u)
             --most; // not within a character
@@ -95,9 +86,9 @@ void Session::on_change(const wire::Change& change) {
     Result<SeaWish> wish = wish_of(change, changes_in_flight_);
     ++changes_in_flight_;
     if (wish)
-        core_.log_act(fmt::format("event=change_asked session={} peer={} over_s={} what=\"{}\"",
-                                  id_, peer_.name, sea::seconds_from_us(wish->over_us),
-                                  what_of(*wish)));
+        core_.log_act(fmt::format("event=change_asked session={} peer={} over_s={} what={}", id_,
+                                  peer_.name, sea::seconds_from_us(wish->over_us),
+                                  in_quotes(what_of(*wish))));
     core_.host.change(std::move(wish), [core = core_.weak_from_this(), session = id_,
                                         request_id](Result<SeaPromise> promise) {
         const std::shared_ptr<Core> alive = core.lock();
@@ -106,7 +97,7 @@ void Session::on_change(const wire::Change& change) {
         alive->post([core, session, request_id, promise = std::move(promise)] {
             const std::shared_ptr<Core> here = core.lock();
             if (here && !promise)
-                here->log_act(fmt::format("event=change_refused session={} why=\"{}\"", session,
+                here->log_act(fmt::format("event=change_refused session={} why={}", session,
                                           in_quotes(promise.error().message)));
             if (Session* found = here ? here->find(session) : nullptr)
                 found->or_drop([&] { found->changed(request_id, promise); });

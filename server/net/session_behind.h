@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Session::ask_behind, for the parts of a session that ask so.
+// What comes back to a session from other threads: Session::later and Session::ask_behind.
 #pragma once
 
 #include <memory>
@@ -7,10 +7,20 @@
 #include <utility>
 
 #include "base/for_want_of_memory.h"
-#include "server/net/fetch_job.h"
+#include "server/host/refusal.h"
 #include "server/net/session.h"
 
 namespace seaway::server {
+
+template <class Take>
+void Session::later(const std::weak_ptr<Core>& core, SessionId id, Take take) {
+    if (const std::shared_ptr<Core> alive = core.lock())
+        alive->post([core, id, take = std::move(take)] {
+            const std::shared_ptr<Core> here = core.lock();
+            if (Session* found = here ? here->find(id) : nullptr)
+                found->or_drop([&] { take(*found); });
+        });
+}
 
 template <class Ask, class Take>
 bool Session::ask_behind(Ask ask, Take take) {
@@ -28,13 +38,8 @@ bool Session::ask_behind(Ask ask, Take take) {
         };
         const auto said = answer();
         // It is counted until it is told.
-        (void)tried_for_a_second([&] {
-            core->post([weak, id, take, said] {
-                const std::shared_ptr<Core> here = weak.lock();
-                if (Session* found = here ? here->find(id) : nullptr)
-                    found->or_drop([&] { take(*found, said); });
-            });
-        });
+        (void)tried_for_a_second(
+            [&] { later(weak, id, [take, said](Session& found) { take(found, said); }); });
         return true;
     };
     return core_.spectra.submit_start(job);

@@ -8,6 +8,7 @@
 #include "server/net/fetch_job.h"
 #include "server/net/refusals.h"
 #include "server/net/session.h"
+#include "server/net/session_behind.h"
 
 namespace seaway::server {
 
@@ -74,11 +75,7 @@ void Session::on_query(const wire::Query& query) {
                 found->or_drop([&] { found->answered(asked, reply); });
             return;
         }
-        alive->post([core, session, asked, reply] {
-            const std::shared_ptr<Core> here = core.lock();
-            if (Session* found = here ? here->find(session) : nullptr)
-                found->or_drop([&] { found->answered(asked, reply); });
-        });
+        later(core, session, [asked, reply](Session& found) { found.answered(asked, reply); });
     });
 }
 

@@ -82,10 +82,8 @@ bool is_idle(const EncodedSpectrumPtr& spectrum) {
 }
 
 Error no_room() {
-    Error busy{Refusal::busy, "waves that others have not read yet fill the memory there is for "
-                              "them, try again later"};
-    busy.retry_after_ms = 1000;
-    return busy;
+    return busy("waves that others have not read yet fill the memory there is for "
+                "them, try again later");
 }
 
 void say(std::string& why, const std::string& reason) {

@@ -69,7 +69,7 @@ class EffectCosts {
 
 /// The fields of `fields` that belong to an effect.
 inline sea::FieldSet fields_of(const EffectInfo& effect, sea::FieldSet fields) {
-    return sea::FieldSet::from_bits(effect.fields.bits() & fields.bits());
+    return effect.fields & fields;
 }
 
 } // namespace seaway::server

@@ -22,10 +22,6 @@ inline sea::FieldSet with_foam_inputs(sea::FieldSet fields) {
     return fields.contains(sea::Field::foam) ? fields | sea::foam_inputs : fields;
 }
 
-inline sea::FieldSet without_foam(sea::FieldSet fields) {
-    return sea::FieldSet::from_bits(fields.bits() & ~sea::FieldSet{sea::Field::foam}.bits());
-}
-
 class FoamMaps {
   public:
     /// Without a foam law (RunningSea::foam_law) there is nothing to add. Histories tick by the first sea of the course

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
 #include "sea/surface/below.h"
+#include "sea/surface/by_time.h"
 #include "server/host/refusal.h"
 
 namespace seaway::server {
@@ -56,15 +56,12 @@ std::uint32_t felt_cascades(const SeaCourse& course, const sea::Looking& looking
 }
 
 PointQuestion::PointQuestion(PointsAsked asked, SurfaceUse use, std::uint32_t cascades)
-    : asked_(std::move(asked)), use_(use), cascades_(cascades), order_(asked_.points.size()) {
+    : asked_(std::move(asked)), use_(use), cascades_(cascades),
+      order_(sea::order_by_time(asked_.points)) {
     SEAWAY_CHECK(asked_.z_m.empty() || asked_.z_m.size() == asked_.points.size(),
                  "a depth a point, or none");
     answered_.answers.resize(asked_.points.size());
     answered_.below.resize(asked_.z_m.size());
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
-        return asked_.points[a].time_us < asked_.points[b].time_us;
-    });
 }
 
 SliceOver over_after(std::chrono::steady_clock::duration time) {

@@ -72,9 +72,7 @@ struct RunningSea {
     sea::FieldSet streamed() const { return scene.accuracy.streams() ? offered : sea::FieldSet{}; }
 
     /// What a sampler needs of a keyframe of this sea.
-    sea::FieldSet sampler_fields() const {
-        return sea::FieldSet::from_bits(sea::surface_fields.bits() & offered.bits());
-    }
+    sea::FieldSet sampler_fields() const { return sea::surface_fields & offered; }
 };
 
 using RunningSeaPtr = std::shared_ptr<const RunningSea>;

@@ -16,16 +16,6 @@ namespace seaway::server {
 
 namespace {
 
-Error busy(std::string why) {
-    Error error{Refusal::busy, std::move(why)};
-    error.retry_after_ms = 1000;
-    return error;
-}
-
-Error no_memory() {
-    return busy("there is no memory for this now, try again later");
-}
-
 /// Who asked himself, on a thread that many wait for, is told by what is thrown.
 void refuse_surely(const Question& question, const Error& why) {
     if (question.askers)

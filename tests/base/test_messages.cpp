@@ -36,6 +36,14 @@ TEST(Printable, bytes_that_are_no_utf_8_are_shown_as_numbers) {
     EXPECT_EQ(printable("\xC3(\xC3\xBC"), "\\xc3(\xC3\xBC");
 }
 
+// Naive: a client that calls itself  x" administrator=true y="  is one, for who reads the log.
+TEST(Printable, a_value_of_the_log_ends_where_it_ends) {
+    EXPECT_EQ(in_quotes("x\" administrator=true y=\""), "\"x' administrator=true y='\"");
+    EXPECT_EQ(in_quotes("two\nlines\x1b"), "\"two lines\\x1b\"");
+    EXPECT_EQ(in_quotes(""), "\"\"");
+    EXPECT_EQ(in_quotes(std::string(1u << 16, 'x')).size(), (1u << 16) + 2) << "whole";
+}
+
 TEST(RunMain, ends_by_the_status_of_its_body_or_by_one_line) {
     EXPECT_EQ(run_main("a", 4, [] { return 7; }), 7);
     testing::internal::CaptureStderr();

@@ -293,6 +293,10 @@ TEST_F(CInterface, a_struct_to_fill_in_whose_size_was_not_set_is_refused) {
         state.size = size;
         EXPECT_EQ(seaway_get_state(sea.handle(), &state), SEAWAY_BAD_ARGUMENT) << size;
         EXPECT_NE(std::string(seaway_last_error()).find("sizeof"), std::string::npos);
+        seaway_status status{};
+        status.size = size;
+        EXPECT_EQ(seaway_get_status(sea.handle(), &status), SEAWAY_BAD_ARGUMENT) << size;
+        EXPECT_NE(std::string(seaway_last_error()).find("sizeof"), std::string::npos);
     }
 }
 

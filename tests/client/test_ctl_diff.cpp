@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/apps/ctl_diff.h"
-#include "client/apps/exit_code.h"
+#include "client/exit_code.h"
 
 namespace seaway::client {
 namespace {
@@ -37,7 +37,7 @@ TEST(CtlDiff, one_beyond_it_is_of_another_sea) {
     const Result<std::string> said = difference_of(one, other, 0);
     ASSERT_FALSE(said);
     EXPECT_NE(said.error().message.find("different seas"), std::string::npos);
-    EXPECT_EQ(exit_code("test", said.error()), exit_refused);
+    EXPECT_EQ(exit_code(said.error()), exit_refused);
     const std::vector<sea::Answer> none{answer(std::nan(""), 0.25)};
     EXPECT_FALSE(difference_of(one, none, 0)) << "what is no number is no height of either";
 }
@@ -52,7 +52,7 @@ TEST(CtlDiff, where_nothing_was_compared_that_is_no_agreement) {
             EXPECT_NE(said.error().message.find("nothing was compared: of 1 points"),
                       std::string::npos)
                 << said.error().message;
-            EXPECT_EQ(exit_code("test", said.error()), exit_refused);
+            EXPECT_EQ(exit_code(said.error()), exit_refused);
         }
     }
     EXPECT_FALSE(difference_of({}, {}, 0));

@@ -154,10 +154,10 @@ TEST(QueryOutput, every_column_of_water_below_holds_what_it_is_called_by) {
 }
 
 TEST(QueryOutput, every_flag_has_its_own_name) {
-    const char* const names[] = {"folded",  "not_converged", "extrapolated",
-                                 "invalid", "exact",         "vertical_velocity",
-                                 "open",    "stale",         "dry"};
-    for (std::uint32_t bit = 0; bit < 9; ++bit)
+    const char* const names[] = {"folded", "not_converged",     "extrapolated", "invalid",
+                                 "exact",  "vertical_velocity", "open",         "stale",
+                                 "dry",    "foam_late"};
+    for (std::uint32_t bit = 0; bit < std::size(names); ++bit)
         EXPECT_EQ(flag_names(1u << bit), names[bit]);
 }
 

@@ -254,9 +254,7 @@ class WaveSea : public server::Host {
     static constexpr std::uint32_t epoch = 3;
 
   private:
-    sea::FieldSet given(sea::FieldSet wanted) const {
-        return sea::FieldSet::from_bits(wanted.bits() & offered.load().bits());
-    }
+    sea::FieldSet given(sea::FieldSet wanted) const { return wanted & offered.load(); }
     static sea::RealizationPtr only(const sea::Realization& sea, std::size_t cascade) {
         auto one = std::make_shared<sea::Realization>(sea);
         one->cascades = {sea.cascades[cascade]};

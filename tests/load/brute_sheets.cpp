@@ -162,7 +162,7 @@ BruteField::BruteField(const sea::Realization& sea, sea::TimeUs time_us)
             tiles_.pop_back();
             continue;
         }
-        reach_m_ += std::max(choppiness_.x, choppiness_.y) * tiles_.back().reach_m();
+        reach_m_ += choppiness_.largest() * tiles_.back().reach_m();
         finest_m_ = std::min(finest_m_, modes.spec.spacing_m());
     }
 }

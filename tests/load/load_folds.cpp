@@ -182,8 +182,7 @@ class Folds {
         const double half_m = std::max(100 * field.finest_m(), 0.25 * field.reach_m());
         const tests::BruteSheets brute(field, steepest, half_m);
         Tally& tally = tallies_[named.name];
-        tally.squeeze = std::max(sea.realization->choppiness.x, sea.realization->choppiness.y) *
-                        sea.budget.rms_strain;
+        tally.squeeze = sea.realization->choppiness.largest() * sea.budget.rms_strain;
         for (int i = 0; i < options_.points; ++i) {
             const Vec2 x = near_a_fold(brute, steepest, half_m, draw);
             judge(named.name, tally, sea, surface, moment, field, brute, {x.x, x.y, time_us},

@@ -96,7 +96,7 @@ sea::FieldSet fields_called(const std::string& name) {
         return {};
     if (name == "height")
         return {sea::Field::height};
-    return name == "surface" ? sea::surface_fields : sea::FieldSet::from_bits(0x1fff);
+    return name == "surface" ? sea::surface_fields : sea::all_fields;
 }
 
 /// How far sea time is ahead of the steady clock: of twenty looks the one that came back soonest.

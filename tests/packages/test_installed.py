@@ -91,7 +91,8 @@ class Installed(unittest.TestCase):
     def test_headers_are_c99_and_cpp17_without_this_repository(self):
         for compiler, standard, header in (("cc", "c99", "seaway.h"), ("cc", "c99", "buoyancy.h"),
                                            ("cc", "c11", "seaway_engine.h"), ("c++", "c++17", "seaway_engine.h"),
-                                           ("c++", "c++17", "seaway.hpp"), ("c++", "c++17", "buoyancy.h")):
+                                           ("c++", "c++17", "seaway.hpp"), ("c++", "c++17", "buoyancy.h"),
+                                           *(("cc", "c99", f"buoyancy_{part}.h") for part in ("hull", "obj", "panel", "step"))):
             said(compiler, f"-std={standard}", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x",
                  "c++" if "++" in compiler else "c", f"-I{self.prefix}/include", "-",
                  input=f"#include <seaway/{header}>\n")

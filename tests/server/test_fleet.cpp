@@ -227,12 +227,12 @@ class LyingPeer {
         };
         line_.begin(
             [=, this] {
-                const std::int64_t local_us = server::SeaClock::steady_now_us();
+                const std::int64_t local_us = local_now_us();
                 return clocks_.word(local_us, sea_us());
             },
             [=, this](const std::string& word) {
                 const std::int64_t here_us = sea_us();
-                clocks_.hear(word, server::SeaClock::steady_now_us(), here_us);
+                clocks_.hear(word, local_now_us(), here_us);
             });
     }
 

@@ -100,11 +100,11 @@ TEST(PredictedStream, misses_nothing_where_others_want_all_fields_at_bounds_of_t
     std::vector<std::unique_ptr<Follower>> others;
     for (const bool predicted : {false, true})
         for (const float error_m : {0.01f, 0.02f, 0.04f, 0.08f})
-            others.push_back(std::make_unique<Follower>(
-                url, protocol::TileWish{.fields = sea::FieldSet::from_bits(0x1fff),
-                                        .error_m = error_m,
-                                        .compact = predicted,
-                                        .predicted = predicted}));
+            others.push_back(
+                std::make_unique<Follower>(url, protocol::TileWish{.fields = sea::all_fields,
+                                                                   .error_m = error_m,
+                                                                   .compact = predicted,
+                                                                   .predicted = predicted}));
     Follower(url).wait_for(40);
     const std::string page = tests::ask_http(tests::port_of(url), "/metrics", "GET").body;
     EXPECT_NE(page.find("\nseaway_net_keyframes_dropped_total 0\n"), std::string::npos) << page;

@@ -87,10 +87,8 @@ TEST_F(Scarcity, without_memory_requests_are_refused_and_the_process_goes_on) {
             for (std::uint32_t id = 1; id <= 16; ++id)
                 (void)client->send(protocol::query(id, points, false));
             const sea::TimeUs times[] = {i * 3'600'000'000LL, i * 7'200'000'000LL};
-            (void)client->send(
-                protocol::fetch(17, times, {.fields = sea::FieldSet::from_bits(0x1fff)}));
-            (void)client->send(
-                protocol::subscribe(18, {.fields = sea::FieldSet::from_bits(0x1fff)}, 8));
+            (void)client->send(protocol::fetch(17, times, {.fields = sea::all_fields}));
+            (void)client->send(protocol::subscribe(18, {.fields = sea::all_fields}, 8));
             // Each is encoded anew, for which zstd asks the system for some megabytes by itself.
             (void)client->send(protocol::subscribe_spectrum(
                 19, {.error_m = 0.02f * static_cast<float>(i + 1), .slope_error = 0.05f}));

@@ -197,8 +197,8 @@ TEST_F(Director, a_pace_that_was_written_too_late_is_followed_by_one_in_which_al
     sea::Paces from_journal;
     for (const SeaChange& change : written)
         from_journal.add(change.pace.value());
-    SeaClock started_anew(clock.moment().epoch_utc_us, SeaClock::utc_now_us,
-                          SeaClock::steady_now_us, from_journal);
+    SeaClock started_anew(clock.moment().epoch_utc_us, SeaClock::utc_now_us, local_now_us,
+                          from_journal);
     EXPECT_EQ(started_anew.now_us(), clock.now_us());
     EXPECT_EQ(handed_over, 0);
 }

@@ -83,8 +83,7 @@ class Baker {
 
   private:
     FieldSet synthesized_fields() const {
-        FieldSet fields =
-            FieldSet::from_bits(options_.fields.bits() & ~FieldSet{Field::foam}.bits());
+        FieldSet fields = options_.fields.without({Field::foam});
         if (options_.vectors)
             fields |= vector_fields;
         if (options_.mesh != MeshFormat::none)
@@ -187,13 +186,9 @@ Error of_device(const Error& error) {
 
 } // namespace
 
-FieldSet all_fields() {
-    return FieldSet::from_bits(~0u);
-}
-
 Result<FieldSet> parse_fields(const std::string& list) {
     if (list == "all")
-        return all_fields();
+        return sea::all_fields;
     FieldSet fields;
     std::size_t at = 0;
     while (at <= list.size()) {

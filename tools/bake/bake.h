@@ -59,9 +59,6 @@ struct BakeReport {
     double total_s = 0;
 };
 
-/// All linear fields, the Jacobian and foam.
-sea::FieldSet all_fields();
-
 /// Names with commas between them, or "all". An error names the one that is none and lists those
 /// that are.
 Result<sea::FieldSet> parse_fields(const std::string& list);

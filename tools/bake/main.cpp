@@ -135,7 +135,7 @@ int run(Options& options) {
     if (!fields)
         return fail(exit_usage, fields.error().message);
     if (options.fields == "all" && !sea::has_foam(scene->effects))
-        fields = sea::FieldSet::from_bits(fields->bits() & ~sea::FieldSet{sea::Field::foam}.bits());
+        fields = fields->without({sea::Field::foam});
     const Result<bake::FrameRate> rate = client::parse_frame_rate("--fps", options.fps);
     if (!rate)
         return fail(exit_usage, rate.error().message);

@@ -21,8 +21,7 @@ using server::Synthesizer;
 namespace {
 
 std::vector<KeyframeRequest> all_cascades(const server::RunningSea& sea, sea::TimeUs time_us) {
-    const auto linear =
-        sea::FieldSet::from_bits(sea.offered.bits() & ~sea::FieldSet{sea::Field::foam}.bits());
+    const sea::FieldSet linear = sea.offered.without({sea::Field::foam});
     std::vector<KeyframeRequest> requests;
     for (int c = 0; c < static_cast<int>(sea.realization->cascades.size()); ++c)
         requests.push_back({c, time_us, linear});

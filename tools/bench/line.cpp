@@ -114,7 +114,7 @@ Result<void> run_line(const LineOptions& options) {
     SEAWAY_TRY(device->set_sea(sea->realization, 1));
     const sea::ErrorBudget* const budgets[] = {&sea->budget};
     const server::Demand grant =
-        server::grant_of({.cascades = ~0u,
+        server::grant_of({.cascades = sea::all_cascades,
                           .fields = fields,
                           .error_m = static_cast<float>(options.error_m),
                           .compact = !options.whole,

@@ -110,11 +110,6 @@ class ImageWriter {
     int files_ = 0;
 };
 
-sea::FieldSet synthesised_fields() {
-    return sea::FieldSet::from_bits(sea::FieldSet::from_bits(~0u).bits() &
-                                    ~sea::FieldSet{sea::Field::foam}.bits());
-}
-
 } // namespace
 
 Result<int> write_images(const sea::RealizationPtr& sea, const ImagesOptions& options) {
@@ -126,7 +121,8 @@ Result<int> write_images(const sea::RealizationPtr& sea, const ImagesOptions& op
         return Error{fmt::format("--images {}: {}", options.folder, failed.message())};
     ImageWriter writer(*sea, options);
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
-        const KeyframeRequest request{static_cast<int>(c), options.time_us, synthesised_fields()};
+        const KeyframeRequest request{static_cast<int>(c), options.time_us,
+                                      sea::all_fields.without({sea::Field::foam})};
         SEAWAY_TRY_LET(const auto keyframes, device->synthesize({&request, 1}));
         SEAWAY_TRY(writer.spectra(c));
         SEAWAY_TRY(writer.stages(c, *device, request));

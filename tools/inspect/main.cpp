@@ -12,6 +12,8 @@
 #include "base/command_line.h"
 #include "base/messages.h"
 #include "base/text_file.h"
+#include "client/apps/query_output.h"
+#include "client/apps/query_points.h"
 #include "sea/waves/statistics/moments.h"
 #include "tools/inspect/images.h"
 #include "tools/inspect/picture.h"
@@ -62,11 +64,15 @@ std::string spectrum_csv(const sea::Scene& scene, const std::vector<double>& ome
 }
 
 Result<std::string> points_csv(const inspect::Report& report, const std::string& path) {
-    const Result<std::vector<sea::QueryPoint>> points = inspect::read_points(path);
-    if (!points)
-        return points.error();
-    return inspect::to_csv(*points,
-                           inspect::answer_points(report.sea, fold_search(report.budget), *points));
+    SEAWAY_TRY_LET(const std::vector<client::Place> places,
+                   client::read_places(path, client::RowTimes::needed));
+    std::vector<sea::QueryPoint> points;
+    for (const client::Place& place : places)
+        points.push_back({place.x_m, place.y_m, sea::us_from_seconds(*place.time_s)});
+    return client::output_head(client::Format::csv) +
+           client::output_rows(
+               client::Format::csv, points,
+               inspect::answer_points(report.sea, fold_search(report.budget), points), false);
 }
 
 Result<std::string> images(const inspect::Report& report, inspect::ImagesOptions options,

@@ -97,7 +97,8 @@ std::string tp_definition(const Report& report) {
                                   "neighbours, or its middle where they do not allow one (the "
                                   "middle: {:.4g} s)",
                                   bin_s)
-                    : "where S(f) is largest";
+                    : "where S(f) is largest, or the frequency of given waves that hold more than "
+                      "spectra do in a tenth around their peak";
     return fmt::format("requested: {}; realised: S^4-weighted over the densest band", requested);
 }
 

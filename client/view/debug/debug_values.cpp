@@ -29,7 +29,7 @@ shaders::vec4 parts_of(const sea::MapLoss::AtTime& loss) {
 /// Of a slope of 1 in 2, where and when maps are worst.
 double worst_bound_m(const SeaFrame& frame) {
     constexpr double slope = 0.5;
-    const double sideways = slope * std::max(frame.choppiness.x, frame.choppiness.y);
+    const double sideways = slope * frame.choppiness.largest();
     return sea::largest_height_bound_m(frame.error, sideways, [&](std::size_t c) {
         return sea::seconds_from_us(frame.cascades[c].after_us() - frame.cascades[c].before_us());
     });
@@ -111,9 +111,8 @@ void set_debug(shaders::ViewDebug& out, const SeaFrame& frame, const Camera& cam
     out.bound_sigmas = narrowed(sea::bound_sigmas);
     out.height_bound_m = narrowed(frame.error.height_bound_m);
     out.displacement_bound_m = narrowed(frame.error.displacement_bound_m);
-    out.fold_blur =
-        narrowed(std::max(frame.choppiness.x, frame.choppiness.y) * frame.error.strain_bound +
-                 frame.error.codec_strain_bound);
+    out.fold_blur = narrowed(frame.choppiness.largest() * frame.error.strain_bound +
+                             frame.error.codec_strain_bound);
 }
 
 } // namespace seaway::client

@@ -2,7 +2,6 @@
 #include "client/view/sky/almanac.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -47,18 +46,11 @@ glm::dmat3 equatorial_from_local(double sidereal_rad, double latitude_rad) {
     return {glm::dvec3(-s, c, 0), glm::dvec3(-sl * c, -sl * s, cl), glm::dvec3(cl * c, cl * s, sl)};
 }
 
-/// Days from 1 January 2000 to a day of the Gregorian calendar (Meeus 1991, chapter 7).
-int day_number(int year, int month, int day) {
-    const int y = month > 2 ? year : year - 1, m = month > 2 ? month : month + 12;
-    const int julian = 1461 * (y + 4716) / 4 + 153 * (m + 1) / 5 + day + 2 - y / 100 + y / 400;
-    const int y0 = 1999, m0 = 13;
-    return julian - (1461 * (y0 + 4716) / 4 + 153 * (m0 + 1) / 5 + 1 + 2 - y0 / 100 + y0 / 400);
-}
+/// Day 0 of days_j2000, which begins half a day before it.
+constexpr std::chrono::sys_days first_day(std::chrono::year(2000) / std::chrono::January / 1);
 
-int days_of(int year, int month) {
-    constexpr std::array<int, 12> days{31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
-    const bool leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    return days[static_cast<std::size_t>(month - 1)] + (month == 2 && leap ? 1 : 0);
+constexpr std::chrono::year_month_day date_of(int year, int month, int day) {
+    return std::chrono::year(year) / month / day;
 }
 
 /// So many digits and nothing else: a sign is none.
@@ -85,19 +77,20 @@ Result<Instant> parse_instant(std::string_view text) {
     const bool seconds = text.size() == 20;
     if (!whole(text, 0, 4, year_min, year_max, year) || !(seconds || text.size() == 17) ||
         text.back() != 'Z' || !two_digits(text, 5, '-', 1, 12, month) ||
-        !two_digits(text, 8, '-', 1, days_of(year, month), day) ||
-        !two_digits(text, 11, 'T', 0, 23, hour) || !two_digits(text, 14, ':', 0, 59, minute) ||
-        (seconds && !two_digits(text, 17, ':', 0, 59, second)))
+        !two_digits(text, 8, '-', 1, 31, day) || !two_digits(text, 11, 'T', 0, 23, hour) ||
+        !two_digits(text, 14, ':', 0, 59, minute) ||
+        (seconds && !two_digits(text, 17, ':', 0, 59, second)) || !date_of(year, month, day).ok())
         return Error{"'" + std::string(text) + "' is not an instant as 2026-06-21T04:30Z, " +
                      std::to_string(year_min) + " .. " + std::to_string(year_max)};
     const double hours = hour + minute / 60.0 + second / 3600.0;
-    return Instant{day_number(year, month, day) + (hours - 12) / 24};
+    const auto days = std::chrono::sys_days(date_of(year, month, day)) - first_day;
+    return Instant{static_cast<double>(days.count()) + (hours - 12) / 24};
 }
 
 std::string to_text(Instant when) {
     using namespace std::chrono;
     const auto since = seconds(std::llround((when.days_j2000 + 0.5) * 86400));
-    const sys_seconds at = sys_days(year(2000) / January / 1) + since;
+    const sys_seconds at = first_day + since;
     const sys_days midnight = floor<days>(at);
     const year_month_day date(midnight);
     const hh_mm_ss time(at - midnight);

@@ -51,8 +51,8 @@ CoarserLoss coarser_loss(const ErrorBudget& budget, int cascade, const CoarserMa
                      .displacement_time_m = slow.displacement_time_m};
     const double slow_strain = maps.every > 1 ? slow.strain : 0.0;
     const CutWaves cut = maps.size == 0 ? CutWaves{} : cut_of(own, maps.size).waves;
-    const double sideways = std::max(budget.choppiness.x, budget.choppiness.y) * cut_slope_sigmas *
-                            std::min(1.0, cut.slope);
+    const double sideways =
+        budget.choppiness.largest() * cut_slope_sigmas * std::min(1.0, cut.slope);
     loss.cut_m = std::hypot(cut.height_m, sideways * cut.displacement_m);
     loss.displacement_cut_m = cut.displacement_m;
     loss.strain = fold_sigmas * std::hypot(slow_strain, cut.strain);

@@ -25,13 +25,9 @@ constexpr double spent_at_least = 1.0 / 16.0;
 /// Smaller grids are worth so much of the budget to single precision, and no more.
 constexpr double compact_error_share = 0.01;
 
-double larger(const Choppiness& choppiness) {
-    return std::max(choppiness.x, choppiness.y);
-}
-
 /// What a metre sideways costs of a height at typical slopes.
 double sideways_weight(const ErrorBudget& budget) {
-    return larger(budget.choppiness) * std::min(1.0, budget.rms_slope);
+    return budget.choppiness.largest() * std::min(1.0, budget.rms_slope);
 }
 
 /// All but the intervals and what follows from them.
@@ -54,7 +50,7 @@ ErrorBudget outline(const Realization& sea, std::span<const CascadeWaves> cascad
     // Waves that may agree fold the sea where their strains add up to one.
     budget.rms_strain = std::sqrt(strain.variance_m2(1.0 / folds_searched_above));
     budget.displacement_reach_m =
-        fold_sigmas * std::sqrt(displacement.variance_m2(fold_sigmas)) * larger(sea.choppiness);
+        fold_sigmas * std::sqrt(displacement.variance_m2(fold_sigmas)) * sea.choppiness.largest();
     return budget;
 }
 
@@ -222,9 +218,9 @@ double coded_strain_variance(const MapLoss& loss, double interval_s, double spac
            (compact ? disc_slope_variance_gain : spline_slope_variance_gain) / square(spacing_m);
 }
 
-double coded_strain_bound(double variance) {
+double coded_strain_bound(const Choppiness& choppiness, double variance) {
     // The larger eigenvalue of a symmetric matrix: at most the root of the sum of its squares.
-    return fold_sigmas * std::numbers::sqrt2 * std::sqrt(variance);
+    return choppiness.largest() * fold_sigmas * std::numbers::sqrt2 * std::sqrt(variance);
 }
 
 MapError map_error(const ErrorBudget& budget, double codec_error_m) {
@@ -247,7 +243,7 @@ MapError map_error(const ErrorBudget& budget, double codec_error_m) {
         }
         coded_strain2 += coded_strain_variance(loss.displacement, interval_s, cascade.spacing_m);
     }
-    error.codec_strain_bound = larger(budget.choppiness) * coded_strain_bound(coded_strain2);
+    error.codec_strain_bound = coded_strain_bound(budget.choppiness, coded_strain2);
     return error;
 }
 

@@ -138,7 +138,7 @@ double rounded_rms(double bound);
 
 /// What coding costs of the gradient of lambda D: a bound (fold_sigmas), from the variances that
 /// coded_strain_variance() gives for each cascade.
-double coded_strain_bound(double variance);
+double coded_strain_bound(const Choppiness& choppiness, double variance);
 /// `loss` is of lambda D. `spacing_m` of the samples that were coded; `compact`: they were brought to another grid.
 double coded_strain_variance(const MapLoss& loss, double interval_s, double spacing_m,
                              bool compact = false);

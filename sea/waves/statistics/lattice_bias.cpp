@@ -6,25 +6,47 @@
 #include <complex>
 
 #include "sea/waves/mode_variances.h"
+#include "sea/waves/realize.h"
 #include "sea/waves/statistics/frequency_nodes.h"
+#include "sea/waves/statistics/given_waves.h"
 
 namespace seaway::sea {
 
 namespace {
 
-/// sqrt(2 sum E^2) / (2 sum E), E the mean of the variances of k and -k.
-double scatter_of(const std::vector<double>& variances, int size) {
-    double squares = 0.0, sum = 0.0;
+/// Of m0 of one tile at one instant, over seeds: sum (E_k + E_-k)^2 over pairs of waves that are drawn.
+double variance_of_m0(const std::vector<double>& variances, int size) {
+    double squares = 0.0;
     for (int iy = 0; iy < size; ++iy)
         for (int ix = 0; ix < size; ++ix) {
             const double here = variances[static_cast<std::size_t>(iy * size + ix)];
             const double there =
                 variances[static_cast<std::size_t>((size - iy) % size * size + (size - ix) % size)];
-            sum += here;
             squares += 0.25 * (here + there) * (here + there);
         }
-    return sum > 0.0 ? std::sqrt(2.0 * squares) / (2.0 * sum) : 0.0;
+    return 2.0 * squares;
 }
+
+/// What a tile holds of waves given one by one, and what they add to that variance: a given wave and a drawn one of its wavenumber add
+/// up by their phases, |G + z|^2 / 2, whose middle term varies by 2 E_given (E_k + E_-k).
+struct Given {
+    double energy_m2 = 0.0;
+    double variance_of_m0 = 0.0;
+
+    void add(const GivenWave& wave, const CascadeSpec& spec, const std::vector<double>& drawn) {
+        energy_m2 += wave.energy_m2;
+        const double n = wave.k_radpm / spec.wavenumber_step_radpm();
+        const long nx = std::lround(n * std::cos(wave.towards_rad));
+        const long ny = std::lround(n * std::sin(wave.towards_rad));
+        if (drawn.empty() || !wave.phased || 2 * std::max(std::abs(nx), std::abs(ny)) >= spec.size)
+            return;
+        const auto at = [&](long x, long y) {
+            return drawn[static_cast<std::size_t>((y + spec.size) % spec.size * spec.size +
+                                                  (x + spec.size) % spec.size)];
+        };
+        variance_of_m0 += 2.0 * wave.energy_m2 * (at(nx, ny) + at(-nx, -ny));
+    }
+};
 
 /// Energy and its direction: sums of E and of E e^{i theta}.
 struct Directed {
@@ -102,10 +124,23 @@ void add_expected(const SeaState& sea, const Realization& realization, SeaSummar
         if (requested.energy > 0.0)
             summary.lattice.push_back(bias_of(s, requested, expected));
     }
-    for (std::size_t c = 0; c < all.size(); ++c)
-        if (!all[c].empty())
-            summary.cascades[c].expected_scatter =
-                scatter_of(all[c], realization.cascades[c].spec.size);
+    std::vector<Given> given(all.size());
+    each_given_wave(sea, [&](const GivenWave& wave) {
+        for (std::size_t c = 0; c < all.size(); ++c)
+            if (const CascadeSpec& spec = realization.cascades[c].spec;
+                same_tile_length(spec.length_m, wave.tile_m))
+                return given[c].add(wave, spec, all[c]);
+    });
+    for (std::size_t c = 0; c < all.size(); ++c) {
+        CascadeVariance& tile = summary.cascades[c];
+        tile.requested_m2 += given[c].energy_m2;
+        tile.expected_m2 += given[c].energy_m2;
+        if (all[c].empty() || !(tile.expected_m2 > 0.0))
+            continue;
+        const double drawn = variance_of_m0(all[c], realization.cascades[c].spec.size);
+        tile.expected_scatter =
+            std::sqrt(drawn + given[c].variance_of_m0) / (2.0 * tile.expected_m2);
+    }
 }
 
 } // namespace seaway::sea

@@ -7,7 +7,8 @@
 
 namespace seaway::sea {
 
-/// Fills expected_m2 and expected_scatter of each cascade, which must be there, and `lattice`.
+/// Fills expected_m2 and expected_scatter of each cascade, which must be there with what spectra put into it, adds to both what waves given
+/// one by one do, and fills `lattice`.
 void add_expected(const SeaState& sea, const Realization& realization, SeaSummary& summary);
 
 } // namespace seaway::sea

@@ -15,6 +15,7 @@
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/statistics/frequency_nodes.h"
+#include "sea/waves/statistics/given_waves.h"
 #include "sea/waves/statistics/lattice_bias.h"
 #include "sea/waves/statistics/peak_finder.h"
 
@@ -29,14 +30,14 @@ struct EnergySums {
     double m2 = 0;
     double slope = 0;
     double strain = 0;
+    double squeeze = 0;
     double east = 0;
     double north = 0;
 
-    /// `direction`: mean of e^{i phi} over this energy.
+    /// All but m2. `direction`: mean of e^{i phi} over this energy.
     void add(double energy, double omega, std::complex<double> direction) {
         m0 += energy;
         m1 += energy * omega;
-        m2 += energy * omega * omega;
         east += energy * direction.real();
         north += energy * direction.imag();
     }
@@ -47,6 +48,12 @@ struct EnergySums {
     }
     void add_strain(double energy, double k, double aspect) {
         strain += energy * k * k * aspect * aspect;
+    }
+    /// Of waves towards (cos, sin): lambda_x dDx/dx + lambda_y dDy/dy.
+    void add_squeeze(double energy, double k, double aspect, double cos, double sin,
+                     const Choppiness& choppiness) {
+        const double share = choppiness.x * cos * cos + choppiness.y * sin * sin;
+        squeeze += energy * k * k * aspect * aspect * share * share;
     }
 };
 
@@ -92,58 +99,6 @@ double kept_variance(const DirectionalSpectrum& spectrum, const Dispersion& disp
     return sum;
 }
 
-/// Waves given one by one. Rows of one wave are one wave: they add up with their phases, as they do in a tile.
-struct GivenWaves {
-    double length_m;
-    std::map<std::pair<int, int>, std::complex<double>> amplitudes_m;
-};
-
-std::vector<GivenWaves> given_waves(const SeaState& sea) {
-    std::vector<GivenWaves> tiles;
-    for (const WaveSystem& system : sea.systems) {
-        const auto* modes = std::get_if<ExplicitModes>(&system);
-        if (!modes)
-            continue;
-        auto tile = std::ranges::find_if(tiles, [&](const GivenWaves& held) {
-            return same_tile_length(held.length_m, modes->length_m);
-        });
-        if (tile == tiles.end())
-            tile = tiles.insert(tile, {modes->length_m, {}});
-        for (const ExplicitMode& mode : modes->modes)
-            tile->amplitudes_m[{mode.nx, mode.ny}] +=
-                mode.amplitude_m * std::polar(1.0, mode.phase_rad);
-    }
-    return tiles;
-}
-
-/// Waves that are not drawn from a spectrum: f(variance, omega, k, direction, still) for each;
-/// `still`: it moves nothing sideways.
-template <class F>
-void over_explicit(const SeaState& sea, const F& f) {
-    const Dispersion dispersion = sea.dispersion();
-    for (const GivenWaves& tile : given_waves(sea))
-        for (const auto& [at, amplitude_m] : tile.amplitudes_m) {
-            const double k = two_pi / tile.length_m * std::hypot(at.first, at.second);
-            const double amplitude = sea.height_scale * std::abs(amplitude_m);
-            if (k > 0.0 && amplitude > 0.0)
-                f(0.5 * amplitude * amplitude, dispersion.omega(k), k,
-                  std::atan2(at.second, at.first), false);
-        }
-    for (std::size_t s = 0; s < sea.systems.size(); ++s) {
-        if (const auto* ramps = std::get_if<SineRamps>(&sea.systems[s])) {
-            SineField field = sine_field(*ramps, sea.seed, static_cast<std::uint32_t>(s),
-                                         dispersion, sea.height_scale, 0);
-            for (NoiseOctave& octave : field.octaves)
-                octave.variance = noise_variance; // expected, whatever the seed
-            for (const SineLine& line : sine_lines(field))
-                if (line.variance_m2() > 0.0)
-                    f(line.variance_m2(), line.omega_radps,
-                      std::hypot(line.kx_radpm, line.ky_radpm),
-                      std::atan2(line.ky_radpm, line.kx_radpm), true);
-        }
-    }
-}
-
 std::vector<DirectionalSpectrum> spectra_of(const SeaState& sea) {
     std::vector<DirectionalSpectrum> spectra;
     for (const WaveSystem& system : sea.systems) {
@@ -187,10 +142,16 @@ DirectionalSpectrum::Peak peak_of(std::span<const DirectionalSpectrum> spectra) 
     return strongest->peak_around(best_omega);
 }
 
-/// Of energies by frequency, whatever the directions, where most of those that move is; 0: none does. Waves of one length on tiles of several
+struct StrongestLine {
+    double omega_radps = 0.0; ///< 0: none moves
+    double energy_m2 = 0.0;
+};
+
+/// Of energies by frequency, whatever the directions, where most of those that move is. Waves of one length on tiles of several
 /// lengths differ in their last bits: they are one line.
-double strongest_line(const std::map<double, double>& energy_by_omega) {
-    double best_omega = 0.0, best = 0.0, line_omega = 0.0, sum = 0.0;
+StrongestLine strongest_line(const std::map<double, double>& energy_by_omega) {
+    double line_omega = 0.0, sum = 0.0;
+    StrongestLine best;
     for (const auto& [omega, energy] : energy_by_omega) {
         if (!moves(omega))
             continue;
@@ -199,12 +160,21 @@ double strongest_line(const std::map<double, double>& energy_by_omega) {
             sum = 0.0;
         }
         sum += energy;
-        if (sum > best) {
-            best = sum;
-            best_omega = line_omega;
-        }
+        if (sum > best.energy_m2)
+            best = {line_omega, sum};
     }
-    return best_omega;
+    return best;
+}
+
+/// A line is a peak beside that of the spectra where it holds more than these do around it, in as narrow a band as the peak of a realised
+/// sea is looked for in.
+bool stands_out(const StrongestLine& line, std::span<const DirectionalSpectrum> spectra,
+                double peak_omega_radps) {
+    const double half = std::exp(0.5 * PeakFinder::bin_width);
+    double around_m2 = 0.0;
+    for (const DirectionalSpectrum& spectrum : spectra)
+        around_m2 += variance_between(spectrum, peak_omega_radps / half, peak_omega_radps * half);
+    return line.energy_m2 > around_m2;
 }
 
 SeaStatistics requested_statistics(const SeaState& sea,
@@ -215,25 +185,33 @@ SeaStatistics requested_statistics(const SeaState& sea,
     for (const DirectionalSpectrum& spectrum : spectra) {
         for (const QuadratureNode& node : frequency_nodes(spectrum, 0.0, infinite)) {
             const double energy = node.weight * spectrum.frequency_density(node.x);
-            if (energy > 0.0)
-                sums.add(energy, node.x, spectrum.direction_moment(node.x));
+            if (!(energy > 0.0))
+                continue;
+            sums.add(energy, node.x, spectrum.direction_moment(node.x));
+            sums.m2 += spectrum.m2_diverges() ? 0.0 : energy * node.x * node.x;
         }
         for (const QuadratureNode& node :
              frequency_nodes(spectrum, 0.0, dispersion.omega(finest_k_hi))) {
             const double k = dispersion.wavenumber(node.x);
-            sums.add_gradients(node.weight * spectrum.frequency_density(node.x), k,
-                               orbit_aspect(k, sea.depth_m));
+            const double energy = node.weight * spectrum.frequency_density(node.x);
+            sums.add_gradients(energy, k, orbit_aspect(k, sea.depth_m));
+            sums.m2 += spectrum.m2_diverges() ? energy * node.x * node.x : 0.0;
         }
     }
     std::map<double, double> lines;
-    over_explicit(sea, [&](double energy, double omega, double k, double direction, bool still) {
-        sums.add(energy, omega, std::polar(1.0, direction));
-        sums.add_gradients(energy, k, still ? 0.0 : orbit_aspect(k, sea.depth_m));
-        lines[omega] += energy;
+    each_given_wave(sea, [&](const GivenWave& wave) {
+        sums.add(wave.energy_m2, wave.omega_radps, std::polar(1.0, wave.towards_rad));
+        sums.m2 += wave.energy_m2 * wave.omega_radps * wave.omega_radps;
+        sums.add_gradients(wave.energy_m2, wave.k_radpm,
+                           wave.still ? 0.0 : orbit_aspect(wave.k_radpm, sea.depth_m));
+        lines[wave.omega_radps] += wave.energy_m2;
     });
+    const StrongestLine line = strongest_line(lines);
     if (spectra.empty())
-        return statistics(sums, strongest_line(lines));
+        return statistics(sums, line.omega_radps);
     const DirectionalSpectrum::Peak peak = peak_of(spectra);
+    if (stands_out(line, spectra, peak.omega_radps))
+        return statistics(sums, line.omega_radps);
     peak_bin_period_s = peak.bin_omega_radps > 0.0 ? two_pi / peak.bin_omega_radps : 0.0;
     return statistics(sums, peak.omega_radps);
 }
@@ -300,8 +278,9 @@ double requested_variance(const SeaState& sea, double omega_lo_radps, double ome
     double sum = 0.0;
     for (const DirectionalSpectrum& spectrum : spectra_of(sea))
         sum += variance_between(spectrum, omega_lo_radps, omega_hi_radps);
-    over_explicit(sea, [&](double energy, double omega, double, double, bool) {
-        sum += omega_lo_radps <= omega && omega < omega_hi_radps ? energy : 0.0;
+    each_given_wave(sea, [&](const GivenWave& wave) {
+        if (omega_lo_radps <= wave.omega_radps && wave.omega_radps < omega_hi_radps)
+            sum += wave.energy_m2;
     });
     return sum;
 }
@@ -316,7 +295,8 @@ double requested_frequency_density(const SeaState& sea, double omega_radps) {
 namespace {
 
 /// Energy of the realised waves of one cascade, into `sums` and `peak`; gives its variance.
-double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& peak) {
+double add_realised(const CascadeModes& cascade, const Choppiness& choppiness, EnergySums& sums,
+                    PeakFinder& peak) {
     double variance = 0.0;
     const double step = cascade.spec.wavenumber_step_radpm();
     const auto add = [&](double energy, double kx, double ky, double omega) {
@@ -324,6 +304,7 @@ double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& p
         if (!(energy > 0.0 && k > 0.0))
             return;
         sums.add(energy, omega, {kx / k, ky / k});
+        sums.m2 += energy * omega * omega;
         sums.add_gradients(energy, k, 0.0);
         peak.add(energy, omega);
         variance += energy;
@@ -337,7 +318,10 @@ double add_realised(const CascadeModes& cascade, EnergySums& sums, PeakFinder& p
                 lines.add(line);
     over_modes(cascade, [&](std::complex<double> amplitude_m, int nx, int ny, double omega) {
         const double energy = 0.5 * std::norm(amplitude_m), k = step * std::hypot(nx, ny);
-        sums.add_strain(energy, k, orbit_aspect(k, cascade.depth_m)); // stylised waves stand still
+        if (const double aspect = orbit_aspect(k, cascade.depth_m); k > 0.0) {
+            sums.add_strain(energy, k, aspect); // stylised waves stand still
+            sums.add_squeeze(energy, k, aspect, step * nx / k, step * ny / k, choppiness);
+        }
         if (!lines.take(amplitude_m, nx, ny, omega))
             add(energy, step * nx, step * ny, omega);
     });
@@ -391,7 +375,7 @@ SeaSummary summarize(const SeaState& sea, const Realization& realization) {
     PeakFinder peak;
     for (const CascadeModes& cascade : realization.cascades) {
         CascadeVariance& variance = summary.cascades.emplace_back();
-        variance.realised_m2 = add_realised(cascade, sums, peak);
+        variance.realised_m2 = add_realised(cascade, realization.choppiness, sums, peak);
         if (!cascade.carries_spectra)
             continue;
         for (const DirectionalSpectrum& s : spectra)
@@ -399,6 +383,7 @@ SeaSummary summarize(const SeaState& sea, const Realization& realization) {
     }
     add_expected(sea, realization, summary);
     summary.realised = statistics(sums, peak.peak_omega_radps());
+    summary.rms_squeeze = std::sqrt(sums.squeeze);
     add_losses(spectra, dispersion, all, summary);
     return summary;
 }

@@ -20,6 +20,8 @@ inline bool moves(double omega_radps) {
 /// the densest, so that neither one lucky mode nor a second wave system pulls it away. Of what moves.
 class PeakFinder {
   public:
+    static constexpr double bin_width = 0.1; ///< of the logarithm of a frequency
+
     void add(double energy, double omega) {
         if (!moves(omega))
             return;
@@ -53,7 +55,6 @@ class PeakFinder {
         double energy = 0.0;
         double moment = 0.0;
     };
-    static constexpr double bin_width = 0.1;
     static constexpr int offset = 120; ///< exp(-12) rad/s
     static constexpr int bin_count = 240;
     static constexpr int reach = 2; ///< bins either way: 20 % in frequency

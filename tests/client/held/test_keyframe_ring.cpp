@@ -386,7 +386,8 @@ TEST(LocalAnswer, a_codec_error_is_that_of_the_worst_keyframe_component_and_axis
                 }
                 EXPECT_EQ(error.height_bound_m, 0.01);
                 EXPECT_EQ(error.displacement_bound_m, 0.02);
-                EXPECT_NEAR(error.codec_strain_bound, 1.5 * sea::coded_strain_bound(strain), 1e-12);
+                EXPECT_NEAR(error.codec_strain_bound, sea::coded_strain_bound({1.5, 1.5}, strain),
+                            1e-12);
             }
 }
 

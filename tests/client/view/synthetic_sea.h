@@ -28,8 +28,7 @@ class SyntheticSea {
         frame.choppiness = sea_->choppiness;
         frame.significant_height_m = 4 * std::sqrt(variance());
         frame.error = sea::map_error(budget_, 0);
-        frame.reach_m =
-            6 * std::sqrt(variance()) * std::max(sea_->choppiness.x, sea_->choppiness.y);
+        frame.reach_m = 6 * std::sqrt(variance()) * sea_->choppiness.largest();
         for (std::size_t c = 0; c < sea_->cascades.size(); ++c) {
             const sea::TimeUs interval_us = budget_.cascades[c].interval_us;
             const sea::TimeUs before_us = time_us - time_us % interval_us;

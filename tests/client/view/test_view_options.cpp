@@ -23,8 +23,9 @@ namespace seaway::client {
 namespace {
 
 /// Words with blanks between them, behind what every command line needs.
-std::variant<ViewOptions, int> read(const std::string& more) {
-    std::istringstream words("seaway-view ws://127.0.0.1:9 " + more);
+std::variant<ViewOptions, int> read(const std::string& more,
+                                    const std::string& url = "ws://127.0.0.1:9") {
+    std::istringstream words("seaway-view " + url + " " + more);
     std::vector<std::string> arguments;
     for (std::string word; words >> word;)
         arguments.push_back(word);
@@ -59,10 +60,11 @@ TEST(ViewOptions, every_option_reaches_its_own_value) {
     const auto read_as =
         read("--offscreen 320x200 --frames 7 --camera 11,-22,33,44,-55 --time-of-day 8.5 "
              "--time 123.25 --debug cascade:3 --device some-gpu --token-file t.txt --ca-file c.pem "
-             "--timeout 4.5 --path p.csv --fov 35.5 --quality film");
+             "--timeout 4.5 --path p.csv --fov 35.5 --quality film",
+             "wss://127.0.0.1:9");
     ASSERT_TRUE(std::holds_alternative<ViewOptions>(read_as));
     const auto& options = std::get<ViewOptions>(read_as);
-    EXPECT_EQ(options.url, "ws://127.0.0.1:9");
+    EXPECT_EQ(options.url, "wss://127.0.0.1:9");
     EXPECT_EQ(options.out, "a.png");
     EXPECT_EQ(options.camera.width, 320);
     EXPECT_EQ(options.camera.height, 200);
@@ -85,6 +87,7 @@ TEST(ViewOptions, every_option_reaches_its_own_value) {
     EXPECT_EQ(options.quality.name, "film");
     EXPECT_FALSE(options.turntable);
     EXPECT_TRUE(std::get<ViewOptions>(read("--turntable")).turntable);
+    EXPECT_THAT(complaint("--ca-file c.pem"), ::testing::HasSubstr("no certificate is looked at"));
 }
 
 TEST(ViewOptions, frames_of_a_piece_are_those_of_the_whole) {
@@ -302,7 +305,7 @@ TEST(ViewOptions, are_taken_at_their_limits_and_refused_beyond_them) {
         {"--time -1e12", "--time -1.0000001e12"},
         // Thirty frames a second: the last of 31 is a second later than the first.
         {"--time 999999999999 --frames 31", "--time 999999999999 --frames 32"},
-        {"--timeout 0.001", "--timeout 0.0009"},
+        {"--timeout 0.0001", "--timeout 0"},
         {"--timeout 86400", "--timeout 86400.1"},
         {"--debug cascade:7", "--debug cascade:8"},
     };
@@ -333,17 +336,17 @@ TEST(ViewOptions, of_the_look_are_taken_at_their_limits_and_refused_beyond_them)
 
 // What a bench meets on the way: each is told by its own code, also on a server.
 TEST(ViewOptions, an_error_has_the_exit_code_of_who_it_is_of) {
-    const std::pair<Error, ViewExit> errors[] = {
-        {Error("vkQueueSubmit2: device lost"), ViewExit::no_device},
-        {Error(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2: device lost"), ViewExit::no_device},
-        {failed(Failure::bad_argument, "mip 10"), ViewExit::usage},
-        {failed(Failure::lost, "the server is gone"), ViewExit::lost},
-        {failed(Failure::cannot_connect, "nobody there"), ViewExit::lost},
-        {failed(Failure::deadline, "no answer"), ViewExit::lost},
-        {failed(Failure::refused, "no foam"), ViewExit::refused},
-        {Error(OutputError::lost, "disk full"), ViewExit::cannot_write}};
+    const std::pair<Error, ExitCode> errors[] = {
+        {Error("vkQueueSubmit2: device lost"), exit_no_device},
+        {Error(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2: device lost"), exit_no_device},
+        {failed(Failure::bad_argument, "mip 10"), exit_usage},
+        {failed(Failure::lost, "the server is gone"), exit_lost},
+        {failed(Failure::cannot_connect, "nobody there"), exit_lost},
+        {failed(Failure::deadline, "no answer"), exit_lost},
+        {failed(Failure::refused, "no foam"), exit_refused},
+        {Error(OutputError::lost, "disk full"), exit_output}};
     for (const auto& [error, code] : errors)
-        EXPECT_EQ(view_exit(error), code) << error.message;
+        EXPECT_EQ(exit_code(error, exit_no_device), code) << error.message;
 }
 
 } // namespace

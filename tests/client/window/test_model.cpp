@@ -141,7 +141,8 @@ TEST(Model, a_probe_says_what_its_client_says_of_a_server_that_is_gone) {
         Client::connect({.url = url}, {}, {.as_splines = true});
     ASSERT_TRUE(connected) << connected.error().message;
     const std::shared_ptr<Client> client = std::move(*connected);
-    const Result<Grant> grant = client->subscribe({.fields = drawn_fields}, Feed::credit, 60);
+    const Result<Grant> grant =
+        client->subscribe({.fields = drawn_fields}, protocol::limits::credit_default, 60);
     ASSERT_TRUE(grant) << grant.error().message;
     // Later than changes are told ahead, which what streams may not be on a busy machine.
     const sea::QueryPoint point{1, 2, client->now_us() + 60'000'000};

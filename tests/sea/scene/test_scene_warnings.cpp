@@ -41,9 +41,11 @@ TEST(Scene, warnings_say_what_the_picture_will_not_show) {
     const std::string tile = "\n[[cascade]]\nlength_m=1250\nsize=128\n";
     EXPECT_THAT(warnings(beam + "2000" + tile), HasSubstr("its waves are few on these tiles"));
     EXPECT_THAT(warnings("[sea]\nchoppiness = 3\n" + steep_waves), HasSubstr("fold about"));
-    for (const char* one_axis : {"[3, 0.1]", "[0.1, 3]"})
-        EXPECT_THAT(warnings(fmt::format("[sea]\nchoppiness = {}\n", one_axis) + steep_waves),
-                    HasSubstr("choppiness 3 "));
+    // They run south: it is choppiness.y that moves their water.
+    EXPECT_THAT(warnings("[sea]\nchoppiness = [0.1, 3]\n" + steep_waves),
+                HasSubstr("choppiness [0.1, 3] and"));
+    EXPECT_THAT(warnings("[sea]\nchoppiness = [3, 0.1]\n" + steep_waves),
+                Not(HasSubstr("fold about")));
     EXPECT_THAT(warnings("[sea]\n" + steep_waves), Not(HasSubstr("fold about")));
     EXPECT_THAT(warnings(beam + "10" + tile), Not(HasSubstr("few on these tiles")));
     EXPECT_EQ(warnings("[sea]\n"), "");
@@ -60,6 +62,25 @@ TEST(Scene, a_narrow_swell_on_a_long_tile_is_warned_of_by_how_much_its_height_de
                              "from_deg=225\nfetch_m=300e3\n[[cascade]]\nlength_m=1200\nsize=256\n"
                              "[[cascade]]\nlength_m=53\nsize=256\n";
     EXPECT_THAT(warnings(wide), Not(HasSubstr("scatters by")));
+    // Waves of 7.5 m, all of which are on the second tile.
+    const std::string ripples = "[sea]\n[[sea.system]]\ntype=\"swell\"\nsignificant_height_m=0.3\n"
+                                "peak_period_s=2.2\nfrom_deg=270\nspreading=\"cos2s\"\n"
+                                "spreading_exponent=75\n[[cascade]]\nlength_m=2111\nsize=256\n"
+                                "[[cascade]]\nlength_m=53\nsize=256\n";
+    EXPECT_THAT(warnings(ripples), HasSubstr("few waves on the cascade of 53 m"));
+}
+
+// Naive: a ramp is a look, whatever becomes of it.
+TEST(Scene, stylised_waves_that_are_longer_than_what_they_repeat_on_are_warned_of) {
+    for (const char* shape : {"sine", "gerstner", "exponential", "noise"}) {
+        const auto of_length = [&](double wavelength_m) {
+            return warnings(fmt::format("[sea]\n[[sea.system]]\ntype=\"sines\"\nshape=\"{}\"\n"
+                                        "from_deg=0\nlength_m=256\nwavelength_m={}\n",
+                                        shape, wavelength_m));
+        };
+        EXPECT_THAT(of_length(600), HasSubstr("waves of 600 m do not fit on 256 m")) << shape;
+        EXPECT_THAT(of_length(256), Not(HasSubstr("do not fit"))) << shape;
+    }
 }
 
 TEST(Scene, loops_and_depths_that_change_how_water_moves_are_warned_of) {

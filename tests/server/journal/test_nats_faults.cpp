@@ -263,7 +263,7 @@ TEST_F(SilentHosts, a_journal_whose_hosts_all_hang_ends_without_trying_each) {
     }
     std::unique_ptr<Journal> journal = open_at(url + "/" + fresh_world());
     ASSERT_TRUE(journal);
-    journal->compare_clocks([] { return SeaClock::steady_now_us(); });
+    journal->compare_clocks([] { return local_now_us(); });
     for (std::size_t i = 0; i < lines.size(); ++i) {
         lines[i]->lead_to(hosts[i]->port());
         lines[i]->cut();

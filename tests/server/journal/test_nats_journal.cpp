@@ -187,10 +187,9 @@ TEST(NatsJournal, behind_a_cut_network_it_holds_what_it_held_says_so_and_follows
 // An hour is what a wrong time zone makes; the write itself takes milliseconds.
 TEST(NatsJournal, a_change_of_a_server_whose_clock_is_behind_is_refused_with_that_reason) {
     const std::string url = nats().url(fresh_world());
-    const auto journal = SharedJournal::open(std::make_unique<NatsLog>(log_of(url)), beginning,
-                                             {url, "behind", SeaClock::steady_now_us, [] {
-                                                  return SeaClock::utc_now_us() - 3'600'000'000;
-                                              }});
+    const auto journal = SharedJournal::open(
+        std::make_unique<NatsLog>(log_of(url)), beginning,
+        {url, "behind", local_now_us, [] { return SeaClock::utc_now_us() - 3'600'000'000; }});
     ASSERT_TRUE(journal);
     const auto refused = (*journal)->append(change(2));
     ASSERT_FALSE(refused);

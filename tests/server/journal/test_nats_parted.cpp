@@ -64,13 +64,13 @@ class Parted : public testing::Test {
     std::int64_t cut_off_since_us() {
         constexpr std::int64_t silence_us = 1'500'000;
         cluster.part(leader);
-        std::int64_t since_us = SeaClock::steady_now_us();
+        std::int64_t since_us = local_now_us();
         for (std::uint64_t bytes = cluster.bytes_between(leader);
-             SeaClock::steady_now_us() - since_us < silence_us;
+             local_now_us() - since_us < silence_us;
              std::this_thread::sleep_for(std::chrono::milliseconds(10)))
             if (const std::uint64_t now = cluster.bytes_between(leader); now != bytes) {
                 bytes = now;
-                since_us = SeaClock::steady_now_us();
+                since_us = local_now_us();
             }
         return since_us;
     }
@@ -90,7 +90,7 @@ TEST_F(Parted,
     // The leader answers on, for it does not know of another yet: what it says is no longer sure after the stated time.
     int looks = 0;
     for (std::int64_t now_us = 0; now_us < since_us + 2 * SharedJournal::current_us; ++looks) {
-        now_us = SeaClock::steady_now_us(); // before it is asked
+        now_us = local_now_us(); // before it is asked
         const JournalStanding standing = cut_off.standing();
         const bool may_be_sure = now_us <= since_us + SharedJournal::current_us;
         ASSERT_TRUE(may_be_sure || !standing.current)
@@ -130,8 +130,8 @@ TEST_F(Parted, who_follows_a_follower_that_is_cut_off_is_stale_and_the_others_go
     Journal& cut_off = *journals[leader];
     const std::size_t other = (leader + 1) % NatsCluster::size;
     const std::int64_t since_us = cut_off_since_us();
-    ASSERT_TRUE(tests::eventually(
-        [&] { return SeaClock::steady_now_us() > since_us + SharedJournal::current_us; }));
+    ASSERT_TRUE(
+        tests::eventually([&] { return local_now_us() > since_us + SharedJournal::current_us; }));
     EXPECT_FALSE(cut_off.standing().current);
     const Result<void> taken = cut_off.append(change(3));
     ASSERT_FALSE(taken);

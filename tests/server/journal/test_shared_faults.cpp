@@ -405,25 +405,23 @@ class SlowLog final : public ForgetfulLog {
 // Naive: an error without a kind ends the server for good, and its service manager does not start it again.
 TEST(SharedJournal, a_beginning_that_is_not_shown_yet_is_asked_for_again) {
     std::atomic<int> fails = 0;
-    const auto journal =
-        SharedJournal::open(std::make_unique<SlowLog>(fails), beginning,
-                            {"log", "writer", SeaClock::steady_now_us, SeaClock::utc_now_us});
+    const auto journal = SharedJournal::open(std::make_unique<SlowLog>(fails), beginning,
+                                             {"log", "writer", local_now_us, SeaClock::utc_now_us});
     ASSERT_FALSE(journal);
     EXPECT_TRUE(journal.error().is(JournalError::unknown)) << journal.error().message;
 }
 
 TEST(SharedJournalThread, goes_on_after_looks_for_which_there_was_no_memory) {
     std::atomic<int> fails = 0;
-    auto journal =
-        SharedJournal::open(std::make_unique<ForgetfulLog>(fails), beginning,
-                            {"log", "writer", SeaClock::steady_now_us, SeaClock::utc_now_us});
+    auto journal = SharedJournal::open(std::make_unique<ForgetfulLog>(fails), beginning,
+                                       {"log", "writer", local_now_us, SeaClock::utc_now_us});
     ASSERT_TRUE(journal);
     (*journal)->follow();
     fails = 3;
     ASSERT_TRUE(tests::eventually([&] { return fails == 0; }));
-    const std::int64_t then_us = SeaClock::steady_now_us();
+    const std::int64_t then_us = local_now_us();
     EXPECT_TRUE(tests::eventually([&] {
-        return (*journal)->standing().unheard_us < SeaClock::steady_now_us() - then_us;
+        return (*journal)->standing().unheard_us < local_now_us() - then_us;
     })) << "it has looked since";
 }
 

@@ -23,7 +23,7 @@ using namespace tests_of_journals;
 constexpr std::int64_t second_us = 1'000'000;
 /// From when a change has to be known to when it begins, at least (server/sea_director.cpp: spare_us).
 constexpr std::int64_t lead_us = second_us;
-/// A server's clock is off by no more; each drains itself before (server/journal/peer_clock.h).
+/// A server's clock is off by no more; each drains itself before (server/journal/peer_clocks.h).
 constexpr std::int64_t clock_off_us_max = 20'000;
 
 struct Server {

@@ -112,7 +112,7 @@ class SmallSea : public server::Host {
                          std::optional<server::SessionId> = {}) const override {
         server::Demand grant = wish;
         grant.cascades &= 3u;
-        grant.fields = sea::FieldSet::from_bits(wish.fields.bits() & offered.bits());
+        grant.fields = wish.fields & offered;
         grant.quality = quality(wish);
         grant.error_m = bound(grant.quality);
         if (coarser_now) { // whatever was wished for
@@ -269,9 +269,7 @@ class SmallSea : public server::Host {
   private:
     sea::FieldSet held(int cascade, sea::FieldSet fields) const {
         const auto found = lacks.find(cascade);
-        return found == lacks.end()
-                   ? fields
-                   : sea::FieldSet::from_bits(fields.bits() & ~found->second.bits());
+        return found == lacks.end() ? fields : fields.without(found->second);
     }
 
     class Rows final : public server::ByteSource {

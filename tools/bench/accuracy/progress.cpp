@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -16,11 +15,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds between_lines{10};
-
-bool stderr_is_terminal() {
-    std::error_code failed;
-    return std::filesystem::is_character_file("/proc/self/fd/2", failed);
-}
 
 } // namespace
 

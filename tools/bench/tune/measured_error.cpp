@@ -11,12 +11,6 @@ namespace seaway::bench {
 
 namespace {
 
-double value_of(const std::vector<Figure>& all, std::string_view metric) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const Figure& f) { return f.metric == metric; });
-    return found == all.end() ? 0.0 : found->value;
-}
-
 /// Of heights, anywhere, where the true surface does not fold.
 std::vector<double> height_errors(const std::vector<Sample>& samples) {
     std::vector<double> errors;

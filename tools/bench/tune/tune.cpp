@@ -21,13 +21,6 @@ namespace seaway::bench {
 
 namespace {
 
-std::string metres(double value_m) {
-    if (value_m >= 1.0)
-        return fmt::format("{:.3g} m", value_m);
-    return value_m >= 0.01 ? fmt::format("{:.3g} cm", 100.0 * value_m)
-                           : fmt::format("{:.3g} mm", 1000.0 * value_m);
-}
-
 std::string price_in_words(const Price& price) {
     return fmt::format("{:.3g} ms of CPU and {:.3g} kB a second", price.work_ms(),
                        1e-3 * price.bytes_per_s);
@@ -60,7 +53,7 @@ std::string compiler() {
 
 std::string target_in_words(const Target& target) {
     std::string words =
-        fmt::format("{} at p{:g}", metres(target.height_error_m), target.percentile);
+        fmt::format("{} at p{:g}", sea::metres(target.height_error_m), target.percentile);
     if (target.slope_error)
         words += fmt::format(", slopes within {:g} rms", *target.slope_error);
     if (target.budget_ms)
@@ -145,8 +138,8 @@ void say_not_reached(const Target& target, const Outcome& outcome) {
         const sea::MeasuredError& best = outcome.measured.front();
         fmt::print("best that can be had: {} at p{:g} (maps {} rms, waves left out {} rms), {}\n"
                    "  {}\n",
-                   metres(best.total_m), target.percentile, metres(best.rms_m),
-                   metres(best.waves_left_out_m), price_in_words(outcome.best.price),
+                   sea::metres(best.total_m), target.percentile, sea::metres(best.rms_m),
+                   sea::metres(best.waves_left_out_m), price_in_words(outcome.best.price),
                    tiles_in_words(outcome.best));
     }
     if (outcome.without_limits) {
@@ -178,7 +171,7 @@ Result<void> write_outputs(const TuneCommand& command, const Target& target, con
     fmt::print("{}: {}\n  {}\n  {}\n  beside waves twice to four times shorter: {}\n",
                target_in_words(target), price_in_words(outcome.best.price),
                tiles_in_words(outcome.best), describe(certificate),
-               metres(*certificate.beside_finer_waves_m));
+               sea::metres(*certificate.beside_finer_waves_m));
     scene.accuracy.certificate = {outputs.certificate, outputs.certificate_path().string()};
     SEAWAY_TRY(write_result(outputs.certificate_path().string(), to_json(certificate)));
     const std::string note =
@@ -204,7 +197,7 @@ Result<void> check_seeds(const TuneCommand& command, const Target& target,
         above += error.total_m > target.height_error_m;
     }
     fmt::print("of {} unseen seeds {} are above the target; the worst is {}\n", command.check_seeds,
-               above, metres(worst_m));
+               above, sea::metres(worst_m));
     return {};
 }
 

@@ -51,7 +51,6 @@ class Loaded final : public Fftw {
                          made->take(f.free, "fftwf_free") && made->take(f.version, "fftwf_version");
         if (!all)
             return Error{fmt::format("{} has not what is asked of it", library)};
-        f.version = static_cast<const char*>(dlsym(made->handle_, "fftwf_version"));
         return std::unique_ptr<Fftw>(std::move(made));
     }
     ~Loaded() override {

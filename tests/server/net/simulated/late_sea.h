@@ -40,10 +40,7 @@ class LateSea final : public SmallSea {
             for (int cascade = 0; cascade < 2; ++cascade)
                 if (request.demand.wants(cascade))
                     question.parts.back().push_back(
-                        made(cascade, time_us,
-                             sea::FieldSet::from_bits(request.demand.fields.bits() &
-                                                      held(cascade).bits()),
-                             rung));
+                        made(cascade, time_us, request.demand.fields & held(cascade), rung));
         }
         ask(std::move(question));
     }
@@ -81,9 +78,7 @@ class LateSea final : public SmallSea {
 
     sea::FieldSet held(int cascade) const {
         const auto lacking = lacks.find(cascade);
-        return lacking == lacks.end()
-                   ? offered
-                   : sea::FieldSet::from_bits(offered.bits() & ~lacking->second.bits());
+        return lacking == lacks.end() ? offered : offered.without(lacking->second);
     }
 
     KeyframeTiles made(int cascade, sea::TimeUs time_us, sea::FieldSet fields,

@@ -203,10 +203,6 @@ double inverse_rms(int steps, double sideways, double displacement_m2, double st
 
 } // namespace
 
-double missed_in_space(SpaceRule rule, double qx, double qy) {
-    return missed_between(shown_along(rule, qx), shown_along(rule, qy));
-}
-
 double missed_in_time(TimeRule rule, double u) {
     if (rule == TimeRule::every_frame)
         return 0.0;

@@ -29,11 +29,7 @@ struct Prediction {
 /// `time_us` matters to K7 alone.
 Prediction predict(const Waves& waves, const Configuration& configuration, sea::TimeUs time_us);
 
-/// Share of a unit wave's variance that a sampling rule misses at phase step q = k dx along x and y,
-/// averaged over the cell.
-double missed_in_space(SpaceRule rule, double qx, double qy);
-
-/// Likewise between two keyframes at phase step u = omega * interval.
+/// Share of a unit wave's variance that a rule misses between two keyframes at phase step u = omega * interval.
 double missed_in_time(TimeRule rule, double u);
 
 /// The waves that a spectrum asks for and no tile holds, as rms of heights in m: of the deep tail

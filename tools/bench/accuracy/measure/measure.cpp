@@ -69,12 +69,6 @@ void add_octaves(std::span<const Octave> octaves, std::vector<Figure>& all) {
             all.push_back(exact(fmt::format("{}@{:g}", metric, octave.k_radpm), value));
 }
 
-double value_of(const std::vector<Figure>& all, std::string_view metric) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const Figure& f) { return f.metric == metric; });
-    return found == all.end() ? 0.0 : found->value;
-}
-
 double hs_of(const ConfiguredSea& sea) {
     return 4.0 * std::sqrt(variance_of(*sea.waves().all));
 }

@@ -8,8 +8,10 @@
 // one that the error of the maps leaves it open. Pure functions; thread-safe.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sea/surface/answer.h"
@@ -27,6 +29,13 @@ struct Figure {
 
 inline Figure exact(std::string metric, double value) {
     return {std::move(metric), value, value, value};
+}
+
+/// Of the one of that name; 0 where there is none.
+inline double value_of(std::span<const Figure> all, std::string_view metric) {
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Figure& f) { return f.metric == metric; });
+    return found == all.end() ? 0.0 : found->value;
 }
 
 struct Sample {
