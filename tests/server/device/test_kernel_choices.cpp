@@ -225,7 +225,8 @@ TEST_F(Tuning, cpus_are_measured_by_who_says_so_alone) {
 TEST_F(Tuning, who_starts_from_the_file_calls_no_more_than_who_has_none) {
     started(always());
     // What others did on the machine meanwhile may have chosen otherwise: each design has calls of its own.
-    for (KernelChoice one : read_kernel_choices(path_).value()) {
+    const std::vector<KernelChoice> measured = read_kernel_choices(path_).value();
+    for (KernelChoice one : measured) {
         one.design = fitting_transforms(info_, one.size, one.band_limited).front()->design;
         ASSERT_TRUE(remember_kernel_choice(path_, one));
     }
