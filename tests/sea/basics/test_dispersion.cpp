@@ -67,7 +67,7 @@ TEST(Dispersion, P05_wafo_wavenumbers_match) {
     for (std::size_t r = 0; r < table.size(); ++r) {
         const std::string& params = table.text(r, "params");
         const double depth = params.find("h=20") != std::string::npos ? 20.0 : deep_water_m;
-        const double argument = std::strtod(params.c_str() + params.find('=') + 1, nullptr);
+        const double argument = std::strtod(params.c_str() + (params.find('=') + 1), nullptr);
         const double tolerance = table.number(r, "rel_tol");
         const Dispersion d = gravity_waves(depth);
         if (table.text(r, "quantity") == "omega(k)")
