@@ -24,7 +24,7 @@ class Room : public std::enable_shared_from_this<Room> {
         return std::shared_ptr<Room>(new Room(bytes_max));
     }
 
-    /// `freed` is called after each place that is given back, on the thread that does; null: nothing is,
+    /// `freed` is called when a place is given back after somebody found no room, on the thread that gives it; null: nothing is,
     /// and no call is under way.
     void on_freed(std::function<void()> freed) {
         const std::scoped_lock lock(mutex_);
@@ -32,15 +32,19 @@ class Room : public std::enable_shared_from_this<Room> {
     }
 
     /// One always gets what it asks for, however large.
-    bool fits(std::size_t bytes) const { return held_ == 0 || held_ + bytes <= bytes_max_; }
+    bool fits(std::size_t bytes) const { return fits(held_, bytes) || fits_after_all(bytes); }
     /// Null: not now.
     Place take(std::size_t bytes) {
-        std::size_t held = held_;
-        do
-            if (held > 0 && held + bytes > bytes_max_)
+        for (std::size_t held = held_;;) {
+            if (fits(held, bytes)) {
+                if (held_.compare_exchange_weak(held, held + bytes))
+                    return taken(bytes, held + bytes);
+            } else if (fits_after_all(bytes)) {
+                held = held_;
+            } else {
                 return nullptr;
-        while (!held_.compare_exchange_weak(held, held + bytes));
-        return taken(bytes, held + bytes);
+            }
+        }
     }
     /// For who makes room afterwards.
     Place take_anyway(std::size_t bytes) { return taken(bytes, held_ += bytes); }
@@ -53,11 +57,22 @@ class Room : public std::enable_shared_from_this<Room> {
   private:
     explicit Room(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
+    bool fits(std::size_t held, std::size_t bytes) const {
+        return held == 0 || held + bytes <= bytes_max_;
+    }
+    /// Looks again once it has said that it lacks room: a place that is given back meanwhile is seen here, or who gives it back sees
+    /// that somebody waits.
+    bool fits_after_all(std::size_t bytes) const {
+        lacked_ = true;
+        return fits(held_, bytes);
+    }
     Place taken(std::size_t bytes, std::size_t held) {
         for (std::size_t most = held_most_; most < held;)
             held_most_.compare_exchange_weak(most, held);
         return Place(this, [room = shared_from_this(), bytes](const void*) {
             room->held_ -= bytes;
+            if (!room->lacked_.exchange(false))
+                return; // each answer gives a place back, and nobody is to be woken by it
             const std::scoped_lock lock(room->mutex_);
             if (room->freed_)
                 room->freed_();
@@ -66,7 +81,8 @@ class Room : public std::enable_shared_from_this<Room> {
     const std::size_t bytes_max_;
     std::atomic<std::size_t> held_ = 0;
     std::atomic<std::size_t> held_most_ = 0;
-    std::mutex mutex_; ///< of freed_
+    mutable std::atomic<bool> lacked_ = false; ///< by somebody, since `freed_` was called
+    std::mutex mutex_;                         ///< of freed_
     std::function<void()> freed_;
 };
 

@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "base/messages.h"
+#include "base/short_turns.h"
 #include "base/thread_name.h"
 #include "server/net/connection.h"
 #include "server/net/credentials.h"
@@ -191,6 +192,7 @@ class NetServer::Impl {
     void serve() {
         const NoBrokenPipes none;
         name_thread("sea-network");
+        take_short_turns(); // all clients wait for it
         for (;;) {
             try {
                 io_.run();

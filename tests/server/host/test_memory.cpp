@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One budget of bytes for all that is held for those who ask.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include "server/host/memory.h"
@@ -71,6 +75,61 @@ TEST(Memory, what_is_held_and_was_held_at_most_is_told_by_use) {
     EXPECT_EQ(value("held_most_bytes", "maps"), 700);
     EXPECT_EQ(tests::read_metrics(memory.metrics_text()).values.at("seaway_memory_budget_bytes"),
               65'000);
+}
+
+// Each answer gives a place back: were all who wait woken by that, the network's thread would be held up by them.
+TEST(Memory, only_who_lacked_room_is_called_when_there_is_some_again) {
+    const auto room = Room::of(10);
+    int calls = 0;
+    room->on_freed([&] { ++calls; });
+    (void)room->take(8);
+    EXPECT_EQ(calls, 0) << "nobody lacked it";
+    Room::Place held = room->take(8), small = room->take(1);
+    EXPECT_FALSE(room->take(3));
+    small = nullptr;
+    EXPECT_EQ(calls, 1) << "who lacks it looks again";
+    EXPECT_FALSE(room->fits(3));
+    held = nullptr;
+    EXPECT_EQ(calls, 2);
+    EXPECT_TRUE(room->take(3)) << "and has it";
+    EXPECT_EQ(calls, 2);
+}
+
+// One gives its only place back in the moment in which another looks, a hundred thousand times, or as often as two seconds let
+// it on a busy machine: who finds none is called, or would wait for ever.
+TEST(Memory, who_lacks_room_is_called_though_it_is_given_back_at_that_moment) {
+    const auto room = Room::of(1);
+    std::atomic<int> freed = 0, round = 0, gone = 0;
+    room->on_freed([&] { ++freed; });
+    constexpr int rounds = 100'000, no_more = rounds + 1;
+    Room::Place held;
+    std::thread gives([&] {
+        for (int i = 1; i <= rounds; ++i) {
+            while (round < i)
+                ;
+            if (round == no_more)
+                return;
+            held = nullptr;
+            gone = i;
+        }
+    });
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    int never_called = 0;
+    for (int i = 1; i <= rounds && std::chrono::steady_clock::now() < end; ++i) {
+        held = room->take(1);
+        const int before = freed;
+        round = i;
+        for (volatile int pause = i % 256;
+             pause > 0;) // so that the two meet somewhere else each time
+            pause = pause - 1;
+        const bool found_none = room->take(1) == nullptr;
+        while (gone < i)
+            ;
+        never_called += found_none && freed == before ? 1 : 0;
+    }
+    round = no_more;
+    gives.join();
+    EXPECT_EQ(never_called, 0);
 }
 
 TEST(Memory, a_thing_with_a_place_holds_it_until_its_last_holder_has_gone) {
