@@ -64,7 +64,7 @@ void refuse_and_end(Questions& questions, Question& question, const Why& why) {
 } // namespace
 
 void work_on_slice(Questions& questions, Question question) {
-    const bool gone = !question.prompt && question.asker.gone();
+    const bool gone = question.asker.gone();
     // At the end, when what it held is free: the turn of foam, for one.
     const Undo wakes([&] {
         if (gone)
