@@ -45,8 +45,9 @@ struct WebSocketOptions {
     std::function<std::chrono::milliseconds(std::size_t)> charge = {};
 };
 
-/// What a frame costs beside its bytes: empty ones have to be looked at, too.
-inline constexpr std::size_t received_frame_bytes = 64;
+/// What a frame costs beside its bytes: empty ones have to be looked at, too. Half a million in a second are an address's share of
+/// requests, unless that was changed.
+inline constexpr std::size_t received_frame_bytes = 256;
 
 class WebSocket {
   public:

@@ -18,7 +18,17 @@ constexpr double rounding_m = 1e-6;
 
 typedef float F4 __attribute__((vector_size(16)));
 
-static_assert(sizeof(StrainBounds) == sizeof(F4));
+static_assert(sizeof(StrainBounds) == 2 * sizeof(F4));
+
+/// Of `value` times a map and `rate` times its time rates as a mean of the map carried on and back, as far as that goes.
+/// The cubic between two keyframes has no value below 0.
+F4 weights_of_bounds(double value, double rate, double carried_s) {
+    const double carried = value * carried_s;
+    const double turned = std::clamp(rate, -carried, carried) / carried_s;
+    return F4{static_cast<float>(0.5 * (value + turned)),
+              static_cast<float>(0.5 * (value - turned)),
+              static_cast<float>(std::max(std::abs(rate) - carried, 0.0)), 0};
+}
 
 } // namespace
 
@@ -36,11 +46,9 @@ SurfaceSheets::SurfaceSheets(const Surface& surface, TimeUs time_us)
         const SplinePair& pair = pairs[c];
         const HermiteWeights& w = weights_[c] =
             hermite_weights(pair.before->time_us(), pair.after->time_us(), time_us);
-        const auto of = [](double value, double rate) {
-            const auto v = static_cast<float>(value), r = static_cast<float>(std::abs(rate));
-            return F4{v, v, r, -r}; // whatever its sign, a rate widens
-        };
-        bound_weights_[c] = {of(w.value[0], w.value[1]), of(w.value[2], w.value[3])};
+        bound_weights_[c] = {
+            weights_of_bounds(w.value[0], w.value[1], pair.before->windows().carried_s()),
+            weights_of_bounds(w.value[2], w.value[3], pair.after->windows().carried_s())};
         anywhere[c] =
             mixed(c, pair.before->windows().whole_tile(), pair.after->windows().whole_tile());
         reach_m_[c] = anywhere[c].range_m;
@@ -59,15 +67,16 @@ SurfaceSheets::Cells SurfaceSheets::cells(Vec2 place) const {
 
 SurfaceSheets::Gentleness SurfaceSheets::mixed(std::size_t cascade, const StrainBounds& before,
                                                const StrainBounds& after) const {
-    const auto four = [](const StrainBounds& bounds) {
-        F4 parts;
-        std::memcpy(&parts, &bounds, sizeof parts);
-        return parts;
+    struct Parts { // of a StrainBounds
+        F4 ranges, strains;
+        explicit Parts(const StrainBounds& of) { std::memcpy(this, &of, sizeof of); }
     };
+    const Parts first(before), second(after);
     const BoundWeights& w = bound_weights_[cascade];
-    const F4 parts = w.before * four(before) + w.after * four(after);
-    const double strain_min = static_cast<double>(parts[1] + parts[3]);
-    return {more_sideways_ * static_cast<double>(parts[0] + parts[2]),
+    const F4 ranges = w.before * first.ranges + w.after * second.ranges;
+    const F4 strains = w.before * first.strains + w.after * second.strains;
+    const auto strain_min = static_cast<double>(strains[0] + strains[1] - strains[2]);
+    return {more_sideways_ * static_cast<double>(ranges[0] + ranges[1] + ranges[2]),
             strain_min * (strain_min < 0 ? more_sideways_ : less_sideways_)};
 }
 

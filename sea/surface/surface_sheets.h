@@ -52,7 +52,7 @@ class SurfaceSheets final : public PatchSheets {
         double
             stretch; ///< what it adds to the smallest eigenvalue of I + lambda grad D, below 0 where it squeezes
     };
-    /// Of the bounds before and after, in the order of a StrainBounds.
+    /// Of the bounds before and after: carried on, carried back, and rates beside them.
     struct BoundWeights {
         F4 before;
         F4 after;

@@ -51,8 +51,9 @@ struct NetOptions {
     /// this address is looked at.
     int wrong_tokens_per_address = 10;
     std::chrono::milliseconds wrong_tokens_refill{60'000};
-    /// Of messages and requests; beyond it, two seconds' worth aside, they are read later.
-    double request_bytes_per_s_per_address = 32.0 * 1024 * 1024;
+    /// Of messages and requests; beyond it, two seconds' worth aside, they are read later. Five million points asked about
+    /// are as many bytes.
+    double request_bytes_per_s_per_address = 128.0 * 1024 * 1024;
 
     /// That send keyframes, the io thread among them (senders.h): more than one where many clients share a large machine.
     int io_threads = 1;

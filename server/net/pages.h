@@ -30,7 +30,7 @@ struct Page {
 
 /// Of a page that is made when it is asked for: a millisecond of the network's thread at most. A thousand in a second are an
 /// address's share, unless that was changed.
-inline constexpr double page_price_bytes = 32 * 1024;
+inline constexpr double page_price_bytes = 128 * 1024;
 
 /// /healthz and /readyz say nothing that is anybody's: no token is looked at there.
 bool is_for_probers(std::string_view path);

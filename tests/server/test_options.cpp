@@ -128,7 +128,9 @@ TEST(ServerOptions, limits_are_by_default_what_the_page_on_security_says) {
     EXPECT_EQ(net.sessions_without_hello_per_address, 32);
     EXPECT_EQ(net.wrong_tokens_per_address, 10);
     EXPECT_EQ(net.wrong_tokens_refill, std::chrono::minutes(1));
-    EXPECT_EQ(net.request_bytes_per_s_per_address, 32.0 * 1024 * 1024);
+    EXPECT_EQ(net.request_bytes_per_s_per_address, 128.0 * 1024 * 1024);
+    EXPECT_GE(net.request_bytes_per_s_per_address, 5e6 * sizeof(wire::Point))
+        << "what is asked about in a second";
     EXPECT_EQ(net.hello_deadline, std::chrono::seconds(2));
     EXPECT_EQ(net.http_deadline, std::chrono::seconds(10));
 }

@@ -21,16 +21,52 @@ constexpr int support = 4;
 /// A window ends so many cells before what its blocks hold: places are rounded.
 constexpr double rounding_cells = 1e-6;
 
-/// D_x, D_y and their time rates side by side.
-typedef float F4 __attribute__((vector_size(16)));
-constexpr int dx = 0, dy = 1, rate = 2;
+/// How far waves turn, rad, while they are carried: by the rms of strains and their rates. Longer intervals of what is bounded add
+/// rates by themselves, shorter ones are bounded as these: 3 % more than the waves of one keyframe have.
+constexpr double carried_rad = 0.25;
+constexpr double carried_s_min = 1e-3, carried_s_max = 100;
+/// Every so many rows and columns are looked at for that.
+constexpr int looked_at = 8;
 
-F4 displacement(const float* texel) {
+/// D_x, D_y carried on, and carried back, side by side.
+typedef float F4 __attribute__((vector_size(16)));
+constexpr int dx = 0, dy = 1, back = 2;
+
+struct Texel {
     F4 values, rates;
-    std::memcpy(&values, texel, sizeof values);
-    std::memcpy(&rates, texel + spline_channel::rate, sizeof rates);
+    explicit Texel(const float* texel) {
+        std::memcpy(&values, texel, sizeof values);
+        std::memcpy(&rates, texel + spline_channel::rate, sizeof rates);
+    }
+};
+
+F4 displacement(const float* texel, float carried_s) {
+    const Texel at(texel);
     static_assert(spline_channel::displacement_x == 1 && spline_channel::displacement_y == 2);
-    return __builtin_shufflevector(values, rates, 1, 2, 5, 6);
+    const F4 carried{carried_s, carried_s, -carried_s, -carried_s};
+    return __builtin_shufflevector(at.values, at.values, 1, 2, 1, 2) +
+           carried * __builtin_shufflevector(at.rates, at.rates, 1, 2, 1, 2);
+}
+
+/// A map that is flat is carried for a second, which changes nothing; what stands but for rounding, for no longer than waves last.
+double carried_for(const float* coefficients, int size) {
+    const std::size_t pitch = static_cast<std::size_t>(size + SplineMap::border) * channels;
+    F4 strains{}, rates{};
+    for (int y = 0; y < size; y += looked_at)
+        for (int x = 0; x < size; x += looked_at) {
+            const float* at = coefficients + static_cast<std::size_t>(y) * pitch +
+                              static_cast<std::size_t>(x) * channels;
+            const Texel here(at), east(at + channels), north(at + pitch);
+            const F4 along_x = east.values - here.values, along_y = north.values - here.values;
+            const F4 rate_x = east.rates - here.rates, rate_y = north.rates - here.rates;
+            strains += along_x * along_x + along_y * along_y;
+            rates += rate_x * rate_x + rate_y * rate_y;
+        }
+    using spline_channel::displacement_x, spline_channel::displacement_y;
+    const float strain2 = strains[displacement_x] + strains[displacement_y];
+    const float rate2 = rates[displacement_x] + rates[displacement_y];
+    const double seconds = carried_rad * std::sqrt(static_cast<double>(strain2 / rate2));
+    return std::isnan(seconds) ? 1.0 : std::clamp(seconds, carried_s_min, carried_s_max);
 }
 
 struct Extent {
@@ -47,9 +83,10 @@ struct Extent {
 using Row = std::vector<F4>; ///< of coefficients, with its border and more
 
 /// `cells` and their border, and round again: who works on four at a time looks at more.
-void read_row(const float* texel, std::size_t cells, Row& to) {
+void read_row(const float* texel, std::size_t cells, float carried_s, Row& to) {
     for (std::size_t i = 0; i < to.size(); ++i)
-        to[i] = i < cells + SplineMap::border ? displacement(texel + i * channels) : to[i - cells];
+        to[i] = i < cells + SplineMap::border ? displacement(texel + i * channels, carried_s)
+                                              : to[i - cells];
 }
 
 /// One float a grid point or a cell, as many more as a vector that begins at the last one reads.
@@ -72,17 +109,17 @@ F4 size_of(F4 a) {
 }
 
 /// Differences of neighbouring coefficients along one axis: of the displacement along it, which stretch, and of the other
-/// one, which shear; and of their time rates.
+/// one, which shear; carried on, and carried back.
 struct Differences {
-    Line stretch, shear, stretch_rate, shear_rate;
+    Line stretch, shear, stretch_back, shear_back;
 
     explicit Differences(std::size_t columns)
-        : stretch(columns), shear(columns), stretch_rate(columns), shear_rate(columns) {}
+        : stretch(columns), shear(columns), stretch_back(columns), shear_back(columns) {}
     /// Between so many pairs of points, four at a time. `along`: the component along the axis.
     void set(const F4* from, const F4* to, std::size_t pairs, int along) {
         Line* const lines[] = {along == dx ? &stretch : &shear, along == dx ? &shear : &stretch,
-                               along == dx ? &stretch_rate : &shear_rate,
-                               along == dx ? &shear_rate : &stretch_rate};
+                               along == dx ? &stretch_back : &shear_back,
+                               along == dx ? &shear_back : &stretch_back};
         for (std::size_t i = 0; i < pairs; i += lanes) {
             F4 four[lanes];
             for (std::size_t k = 0; k < lanes; ++k)
@@ -103,14 +140,23 @@ struct Differences {
 
 /// What they are at most within cells.
 struct Bounds {
-    F4 stretch_low, shear_low, shear_high, stretch_rate, shear_rate;
+    struct Carried {
+        F4 stretch_low, shear_low, shear_high;
+
+        void add(const Carried& other) {
+            stretch_low = smaller(stretch_low, other.stretch_low);
+            shear_low = smaller(shear_low, other.shear_low);
+            shear_high = larger(shear_high, other.shear_high);
+        }
+    };
+    Carried on, back;
+    F4 stretch_apart, shear_apart; ///< between carried on and carried back
 
     void add(const Bounds& other) {
-        stretch_low = smaller(stretch_low, other.stretch_low);
-        shear_low = smaller(shear_low, other.shear_low);
-        shear_high = larger(shear_high, other.shear_high);
-        stretch_rate = larger(stretch_rate, other.stretch_rate);
-        shear_rate = larger(shear_rate, other.shear_rate);
+        on.add(other.on);
+        back.add(other.back);
+        stretch_apart = larger(stretch_apart, other.stretch_apart);
+        shear_apart = larger(shear_apart, other.shear_apart);
     }
 };
 using BoundsOfRow = std::vector<Bounds>; ///< of four cells each
@@ -119,10 +165,13 @@ using BoundsOfRow = std::vector<Bounds>; ///< of four cells each
 void bound(const Differences& differences, std::size_t wide, BoundsOfRow& row) {
     for (std::size_t n = 0; n < row.size(); ++n) {
         const auto of = [&](std::size_t i) {
-            const F4 shear = load(&differences.shear[i]);
-            return Bounds{load(&differences.stretch[i]), shear, shear,
-                          size_of(load(&differences.stretch_rate[i])),
-                          size_of(load(&differences.shear_rate[i]))};
+            const F4 stretch = load(&differences.stretch[i]), shear = load(&differences.shear[i]),
+                     stretch_back = load(&differences.stretch_back[i]),
+                     shear_back = load(&differences.shear_back[i]);
+            return Bounds{{stretch, shear, shear},
+                          {stretch_back, shear_back, shear_back},
+                          size_of(stretch - stretch_back),
+                          size_of(shear - shear_back)};
         };
         row[n] = of(lanes * n);
         for (std::size_t i = 1; i < wide; ++i)
@@ -151,39 +200,52 @@ F4 half_gap(F4 xx, F4 yy, F4 xy) {
 }
 /// Per cell, of one length.
 struct Strains {
-    F4 smallest, rate;
+    F4 on, back; ///< the smallest
+    F4 apart;    ///< the largest between both
 };
-Strains strains_of(const Bounds& x, const Bounds& y) {
+F4 smallest_strain(const Bounds::Carried& x, const Bounds::Carried& y) {
     const F4 xy =
         0.5f * larger(size_of(x.shear_low + y.shear_low), size_of(x.shear_high + y.shear_high));
-    const F4 xy_rate = 0.5f * (x.shear_rate + y.shear_rate);
-    return {0.5f * (x.stretch_low + y.stretch_low) - half_gap(x.stretch_low, y.stretch_low, xy),
-            0.5f * (x.stretch_rate + y.stretch_rate) +
-                half_gap(x.stretch_rate, y.stretch_rate, xy_rate)};
+    return 0.5f * (x.stretch_low + y.stretch_low) - half_gap(x.stretch_low, y.stretch_low, xy);
+}
+Strains strains_of(const Bounds& x, const Bounds& y) {
+    const F4 xy_apart = 0.5f * (x.shear_apart + y.shear_apart);
+    return {smallest_strain(x.on, y.on), smallest_strain(x.back, y.back),
+            0.5f * (x.stretch_apart + y.stretch_apart) +
+                half_gap(x.stretch_apart, y.stretch_apart, xy_apart)};
 }
 
 /// What is widened to hold several cells or blocks: extents before they are put together.
 struct Block {
-    F4 strain_min = F4{} + 3e38f; ///< of every fourth cell
-    F4 strain_rate{};
+    Strains strains{F4{} + 3e38f, F4{} + 3e38f, F4{}}; ///< of every fourth cell
     Extent moved;
+    Extent apart; ///< what is carried on, less what is carried back
 
     void add(const Block& other) {
-        add(Strains{other.strain_min, other.strain_rate});
+        add(other.strains);
         moved.add(other.moved);
+        apart.add(other.apart);
     }
-    void add(const Strains& strains) {
-        strain_min = smaller(strain_min, strains.smallest);
-        strain_rate = larger(strain_rate, strains.rate);
+    void add(const Strains& other) {
+        strains.on = smaller(strains.on, other.on);
+        strains.back = smaller(strains.back, other.back);
+        strains.apart = larger(strains.apart, other.apart);
     }
-    StrainBounds bounds() const {
-        const F4 range = moved.high - moved.low;
-        StrainBounds all{std::hypot(range[dx], range[dy]), strain_min[0],
-                         std::hypot(range[dx + rate], range[dy + rate]), strain_rate[0]};
+    StrainBounds bounds(float carried_s) const {
+        const F4 range = moved.high - moved.low, range_apart = apart.high - apart.low;
+        const float a_second = 0.5f / carried_s;
+        StrainBounds all{.range_on_m = std::hypot(range[dx], range[dy]),
+                         .range_back_m = std::hypot(range[dx + back], range[dy + back]),
+                         .range_rate = a_second * std::hypot(range_apart[dx], range_apart[dy]),
+                         .strain_on = strains.on[0],
+                         .strain_back = strains.back[0],
+                         .strain_rate = strains.apart[0]};
         for (std::size_t i = 1; i < lanes; ++i) {
-            all.strain_min = std::min(all.strain_min, strain_min[i]);
-            all.strain_rate = std::max(all.strain_rate, strain_rate[i]);
+            all.strain_on = std::min(all.strain_on, strains.on[i]);
+            all.strain_back = std::min(all.strain_back, strains.back[i]);
+            all.strain_rate = std::max(all.strain_rate, strains.apart[i]);
         }
+        all.strain_rate *= a_second;
         return all;
     }
 };
@@ -202,19 +264,24 @@ std::size_t index(int x, int y, int count) {
 void add_displacements(const Row& row, int number, int block, int count,
                        std::vector<Block>& blocks) {
     for (int bx = 0; bx < count; ++bx) {
-        Extent extent;
-        for (int i = bx * block; i < bx * block + block + support - 1; ++i)
-            extent.add(row[static_cast<std::size_t>(i)]);
+        Extent extent, apart;
+        for (int i = bx * block; i < bx * block + block + support - 1; ++i) {
+            const F4 both = row[static_cast<std::size_t>(i)];
+            extent.add(both);
+            apart.add(both - __builtin_shufflevector(both, both, 2, 3, 0, 1));
+        }
         for (int by = std::max(0, (number - support + 1) / block);
              by < count && by * block <= number; ++by)
-            if (number < by * block + block + support - 1)
+            if (number < by * block + block + support - 1) {
                 blocks[index(bx, by, count)].moved.add(extent);
+                blocks[index(bx, by, count)].apart.add(apart);
+            }
     }
 }
 
 /// The smallest blocks of a map.
 std::vector<Block> blocks_of(const float* coefficients, int size, int block, float per_m,
-                             Pauses& pauses) {
+                             float carried_s, Pauses& pauses) {
     const int count = size / block;
     const auto cells = static_cast<std::size_t>(size);
     std::vector<Block> blocks(static_cast<std::size_t>(count * count));
@@ -230,7 +297,7 @@ std::vector<Block> blocks_of(const float* coefficients, int size, int block, flo
     x.fill(BoundsOfRow(fours));
     y.fill(BoundsOfRow(fours));
     for (std::size_t r = 0; r < points; ++r) {
-        read_row(coefficients + r * points * channels, cells, row);
+        read_row(coefficients + r * points * channels, cells, carried_s, row);
         add_displacements(row, static_cast<int>(r), block, count, blocks);
         along_x.set(&row[0], &row[1], points - 1, dx);
         bound(along_x, support - 1, x[r % x.size()]);
@@ -246,7 +313,7 @@ std::vector<Block> blocks_of(const float* coefficients, int size, int block, flo
         for (std::size_t n = 0; n < fours; ++n) {
             const Strains strains = strains_of(over(x, n), over(y, n));
             of_row[lanes * n / static_cast<std::size_t>(block)].add(
-                Strains{per_m * strains.smallest, per_m * strains.rate});
+                Strains{per_m * strains.on, per_m * strains.back, per_m * strains.apart});
         }
     }
     return blocks;
@@ -281,10 +348,12 @@ void widen_each(std::vector<Block>& blocks, int count) {
 } // namespace
 
 StrainWindows::StrainWindows(const float* coefficients, int size, double length_m, Pauses& pauses)
-    : size_(size), length_m_(length_m), cells_a_metre_(size / length_m) {
+    : size_(size), length_m_(length_m), cells_a_metre_(size / length_m),
+      carried_s_(static_cast<double>(static_cast<float>(carried_for(coefficients, size)))) {
     int block = smallest_block(size);
+    const auto carried_s = static_cast<float>(carried_s_);
     std::vector<Block> blocks =
-        blocks_of(coefficients, size, block, static_cast<float>(cells_a_metre_), pauses);
+        blocks_of(coefficients, size, block, static_cast<float>(cells_a_metre_), carried_s, pauses);
     windows_.reserve(bytes_of(size) / sizeof(StrainBounds));
     for (int count = size / block;; count /= 2, block *= 2) {
         // A single block is shifted away: its number is 0 whatever the size.
@@ -293,7 +362,7 @@ StrainWindows::StrainWindows(const float* coefficients, int size, double length_
         std::vector<Block> windows = blocks;
         widen_each(windows, count);
         for (const Block& window : windows)
-            windows_.push_back(window.bounds());
+            windows_.push_back(window.bounds(carried_s));
         if (count == 1)
             return;
         blocks = halved(blocks, count);

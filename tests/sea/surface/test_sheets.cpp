@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -168,6 +169,14 @@ std::array<double, 2> strains_of(const SplineSample& s, int x, int y) {
     return {mean - gap, mean + gap};
 }
 
+/// A place of a map that its time rates carry on for so long, in its values.
+SplineSample carried(SplineSample sample, double by_s) {
+    for (auto* of : {&sample.value, &sample.d_dx, &sample.d_dy})
+        for (int c = 0; c < spline_channel::values; ++c)
+            (*of)[c] += static_cast<float>(by_s) * (*of)[c + spline_channel::rate];
+    return sample;
+}
+
 // What is proved to be one to one is not searched: a window that is too small would go unseen.
 TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
     const RealizationPtr sea = tests::make_sea({tests::random_cascade(100.0, 64, 18, 80, 0.03, 4)});
@@ -182,15 +191,22 @@ TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
             const SplineSample s =
                 map.sample(x + share(random) * radius_m, y + share(random) * radius_m);
             constexpr double rounding = 1e-5;
-            ASSERT_GE(strains_of(s, 1, 2)[0], static_cast<double>(bounds.strain_min) - rounding);
             const auto [slowest, fastest] = strains_of(s, 5, 6);
             ASSERT_LE(std::max(-slowest, fastest),
                       static_cast<double>(bounds.strain_rate) + rounding);
             const SplineSample there = map.sample(x, y);
-            ASSERT_LE(std::hypot(s.value[1] - there.value[1], s.value[2] - there.value[2]),
-                      static_cast<double>(bounds.range_m) + rounding);
             ASSERT_LE(std::hypot(s.value[5] - there.value[5], s.value[6] - there.value[6]),
                       static_cast<double>(bounds.range_rate) + rounding);
+            const double carried_s = map.windows().carried_s();
+            for (const auto& [by_s, strain_min, range_m] :
+                 {std::tuple(carried_s, bounds.strain_on, bounds.range_on_m),
+                  std::tuple(-carried_s, bounds.strain_back, bounds.range_back_m),
+                  std::tuple(0.0, bounds.strain_min(), bounds.range_m())}) {
+                const SplineSample to = carried(s, by_s), from = carried(there, by_s);
+                ASSERT_GE(strains_of(to, 1, 2)[0], static_cast<double>(strain_min) - rounding);
+                ASSERT_LE(std::hypot(to.value[1] - from.value[1], to.value[2] - from.value[2]),
+                          static_cast<double>(range_m) + rounding);
+            }
         }
     }
     double smallest = 1e9; // of four places a cell each way
@@ -199,7 +215,7 @@ TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
             smallest = std::min(smallest, strains_of(map.sample(x, y), 1, 2)[0]);
     // Differences of coefficients exceed the slope of the finest waves here, of q = 0.56 pi a cell, by
     // 1 / (3/4 + cos(q)/4) = 1.42; and xx, yy and xy are smallest and largest at different places of a cell.
-    EXPECT_LT(static_cast<double>(map.windows().whole_tile().strain_min) / smallest, 1.6)
+    EXPECT_LT(static_cast<double>(map.windows().whole_tile().strain_min()) / smallest, 1.6)
         << "a bound that nothing comes near would search everywhere";
 }
 
@@ -213,7 +229,7 @@ TEST(Sheets, windows_of_a_map_of_any_size_hold_its_waves_and_nothing_else) {
         for (double y = 0; y < 100; y += 100.0 / 200)
             for (double x = 0; x < 100; x += 100.0 / 200)
                 smallest = std::min(smallest, strains_of(map.sample(x, y), 1, 2)[0]);
-        const auto bound = static_cast<double>(map.windows().whole_tile().strain_min);
+        const auto bound = static_cast<double>(map.windows().whole_tile().strain_min());
         EXPECT_LE(bound, smallest + 1e-5) << size;
         EXPECT_LT(bound / smallest, 1.4) << size;
     }
@@ -246,14 +262,14 @@ TEST(Sheets, windows_hold_whatever_a_spline_within_their_radius_depends_on) {
                 for (double off_m = -radius_m; off_m <= radius_m; off_m += 0.25) {
                     const SplineSample there = map.sample(place_m + off_m, lone);
                     ASSERT_GE(strains_of(there, 1, 2)[0],
-                              static_cast<double>(east.strain_min) - rounding)
+                              static_cast<double>(east.strain_min()) - rounding)
                         << lone << " " << place_m << " " << radius_m << " " << off_m;
                     ASSERT_LE(
                         std::hypot(there.value[1] - here.value[1], there.value[2] - here.value[2]),
-                        static_cast<double>(east.range_m) + rounding)
+                        static_cast<double>(east.range_m()) + rounding)
                         << lone << " " << place_m << " " << radius_m << " " << off_m;
                     ASSERT_GE(strains_of(map.sample(lone, place_m + off_m), 1, 2)[0],
-                              static_cast<double>(north.strain_min) - rounding)
+                              static_cast<double>(north.strain_min()) - rounding)
                         << lone << " " << place_m << " " << radius_m << " " << off_m;
                 }
             }

@@ -288,7 +288,7 @@ TEST_F(NetDoor, a_body_in_an_unknown_coding_hides_no_second_request) {
 // Naive: 60 bytes that have half a millisecond of the network's thread spent on them are counted as 60 bytes.
 TEST_F(NetDoor, pages_that_are_made_are_of_the_share_of_who_asks_and_not_for_who_watches) {
     options.health_listen = "127.0.0.1:0";
-    options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once: four pages
+    options.request_bytes_per_s_per_address = 256 * 1024; // twice that at once: four pages
     start();
     for (int i = 0; i < 20; ++i)
         EXPECT_EQ(ask_http(net->health_port(), "/metrics", "GET").status, 200);
@@ -317,7 +317,7 @@ TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_th
 // Frames of no message, and parts of one that never ends: what they hold is next to nothing, and each has to be looked at.
 TEST_F(NetDoor, an_address_that_sends_many_empty_frames_is_read_later_too) {
     options.health_listen = "127.0.0.1:0";
-    options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once
+    options.request_bytes_per_s_per_address = 256 * 1024; // twice that at once
     start();
     double delayed = 0;
     for (const auto& [begin, again] :
