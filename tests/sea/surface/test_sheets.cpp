@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -177,46 +178,73 @@ SplineSample carried(SplineSample sample, double by_s) {
     return sample;
 }
 
+/// At places within the radius: strains and displacements, carried on, back, and as they are; and rates.
+void windows_bound(const SplineMap& map, double x, double y, double radius_m,
+                   std::mt19937& random) {
+    std::uniform_real_distribution<double> share(-1, 1);
+    const StrainBounds& bounds = map.windows().around(x, y, radius_m);
+    for (int k = 0; k < 60; ++k) {
+        const SplineSample s =
+            map.sample(x + share(random) * radius_m, y + share(random) * radius_m);
+        constexpr double rounding = 1e-5;
+        const auto [slowest, fastest] = strains_of(s, 5, 6);
+        ASSERT_LE(std::max(-slowest, fastest), static_cast<double>(bounds.strain_rate) + rounding);
+        const SplineSample there = map.sample(x, y);
+        ASSERT_LE(std::hypot(s.value[5] - there.value[5], s.value[6] - there.value[6]),
+                  static_cast<double>(bounds.range_rate) + rounding);
+        const double carried_s = map.windows().carried_s();
+        for (const auto& [by_s, strain_min, range_m] :
+             {std::tuple(carried_s, bounds.strain_on, bounds.range_on_m),
+              std::tuple(-carried_s, bounds.strain_back, bounds.range_back_m),
+              std::tuple(0.0, bounds.strain_min(), bounds.range_m())}) {
+            const SplineSample to = carried(s, by_s), from = carried(there, by_s);
+            ASSERT_GE(strains_of(to, 1, 2)[0], static_cast<double>(strain_min) - rounding);
+            ASSERT_LE(std::hypot(to.value[1] - from.value[1], to.value[2] - from.value[2]),
+                      static_cast<double>(range_m) + rounding);
+        }
+    }
+}
+
 // What is proved to be one to one is not searched: a window that is too small would go unseen.
 TEST(Sheets, windows_bound_strains_and_displacements_within_their_radius) {
     const RealizationPtr sea = tests::make_sea({tests::random_cascade(100.0, 64, 18, 80, 0.03, 4)});
-    const SplineMap map(*tests::exact_keyframe(sea, 0, 0));
+    const KeyframePtr waves = tests::exact_keyframe(sea, 0, 0);
+    // Carried on it is calmer than carried back by half as much again and more: bounds of the one would not do for the other.
+    Keyframe dies_down = *waves;
+    std::ranges::transform(waves->plane(Field::displacement_x),
+                           dies_down.plane(Field::displacement_x_rate).begin(), std::negate());
+    std::ranges::transform(waves->plane(Field::displacement_y),
+                           dies_down.plane(Field::displacement_y_rate).begin(), std::negate());
+    const SplineMap map(*waves), calmer(dies_down);
     std::mt19937 random(4);
-    std::uniform_real_distribution<double> place(-300, 300), share(-1, 1);
+    std::uniform_real_distribution<double> place(-300, 300);
     for (int i = 0; i < 300; ++i) {
         const double x = place(random), y = place(random);
         const double radius_m = 0.5 * std::pow(2.0, i % 8);
-        const StrainBounds& bounds = map.windows().around(x, y, radius_m);
-        for (int k = 0; k < 60; ++k) {
-            const SplineSample s =
-                map.sample(x + share(random) * radius_m, y + share(random) * radius_m);
-            constexpr double rounding = 1e-5;
-            const auto [slowest, fastest] = strains_of(s, 5, 6);
-            ASSERT_LE(std::max(-slowest, fastest),
-                      static_cast<double>(bounds.strain_rate) + rounding);
-            const SplineSample there = map.sample(x, y);
-            ASSERT_LE(std::hypot(s.value[5] - there.value[5], s.value[6] - there.value[6]),
-                      static_cast<double>(bounds.range_rate) + rounding);
-            const double carried_s = map.windows().carried_s();
-            for (const auto& [by_s, strain_min, range_m] :
-                 {std::tuple(carried_s, bounds.strain_on, bounds.range_on_m),
-                  std::tuple(-carried_s, bounds.strain_back, bounds.range_back_m),
-                  std::tuple(0.0, bounds.strain_min(), bounds.range_m())}) {
-                const SplineSample to = carried(s, by_s), from = carried(there, by_s);
-                ASSERT_GE(strains_of(to, 1, 2)[0], static_cast<double>(strain_min) - rounding);
-                ASSERT_LE(std::hypot(to.value[1] - from.value[1], to.value[2] - from.value[2]),
-                          static_cast<double>(range_m) + rounding);
-            }
-        }
+        windows_bound(map, x, y, radius_m, random);
+        windows_bound(calmer, x, y, radius_m, random);
     }
-    double smallest = 1e9; // of four places a cell each way
-    for (double y = 0; y < 100; y += 100.0 / 256)
-        for (double x = 0; x < 100; x += 100.0 / 256)
-            smallest = std::min(smallest, strains_of(map.sample(x, y), 1, 2)[0]);
+    const auto smallest = [](const SplineMap& of, double by_s) { // of four places a cell each way
+        double least = 1e9;
+        for (double y = 0; y < 100; y += 100.0 / 256)
+            for (double x = 0; x < 100; x += 100.0 / 256)
+                least = std::min(least, strains_of(carried(of.sample(x, y), by_s), 1, 2)[0]);
+        return least;
+    };
+    const auto near = [](float bound, double least) {
+        const auto low = static_cast<double>(bound);
+        return low <= least + 1e-5 && low > 1.6 * least;
+    };
     // Differences of coefficients exceed the slope of the finest waves here, of q = 0.56 pi a cell, by
     // 1 / (3/4 + cos(q)/4) = 1.42; and xx, yy and xy are smallest and largest at different places of a cell.
-    EXPECT_LT(static_cast<double>(map.windows().whole_tile().strain_min()) / smallest, 1.6)
-        << "a bound that nothing comes near would search everywhere";
+    const char* const why = "a bound that nothing comes near would search everywhere";
+    EXPECT_PRED2(near, map.windows().whole_tile().strain_min(), smallest(map, 0)) << why;
+    const StrainBounds& of_calmer = calmer.windows().whole_tile();
+    const double carried_s = calmer.windows().carried_s();
+    EXPECT_PRED2(near, of_calmer.strain_on, smallest(calmer, carried_s)) << why;
+    EXPECT_PRED2(near, of_calmer.strain_back, smallest(calmer, -carried_s)) << why;
+    EXPECT_NEAR(of_calmer.range_back_m / of_calmer.range_on_m, 1.25 / 0.75, 1e-3)
+        << "a quarter of it comes or goes meanwhile";
 }
 
 // Naive: cells are bounded four at a time, and beyond the last one lies what is no sea. Sizes that are no multiple of four.
@@ -288,36 +316,46 @@ TEST(Sheets, a_map_says_how_many_bytes_it_holds) {
     }
 }
 
-// Both keyframes lie still and folds lie between them: each moves the water the same way until their
-// middle. Weighed with their signs, the two rates would bound nothing there.
-TEST(Sheets, sheets_that_only_time_rates_make_between_two_keyframes_are_found) {
+// No keyframe folds, and folds lie between them: each moves the water the same way until their middle. Weighed with their
+// signs, the two rates would bound nothing there. Naive: keyframes that stand still, and a mean of bounds that are not carried.
+TEST(Sheets, sheets_that_time_rates_make_between_two_keyframes_are_found) {
     constexpr double k_radpm = 2 * two_pi / 64;
     constexpr TimeUs after_us = 1'000'000;
-    // D = -1.5 / k sin(k X) half-way: two rates, an eighth of the interval each.
-    constexpr double rate_mps = 4 * 1.5 / k_radpm;
-    const auto keyframe = [&](TimeUs time_us, double sign) {
-        Keyframe map;
-        map.time_us = time_us;
-        map.size = 64;
-        map.length_m = 64.0;
-        map.fields = surface_fields;
-        map.values.resize(6 * map.plane_size());
-        for (std::size_t i = 0; i < map.plane_size(); ++i) {
-            const double phase = k_radpm * static_cast<double>(i % 64);
-            map.plane(Field::height)[i] = static_cast<float>(1 - std::cos(phase));
-            map.plane(Field::displacement_x_rate)[i] =
-                static_cast<float>(sign * rate_mps * std::sin(phase));
-        }
-        return std::make_shared<const SplineMap>(map);
+    struct Case {
+        double at_keyframes, between; ///< -k times the amplitude of D
+        double
+            reach_m; ///< around 0, where three sheets stand: k X = 0, and k X = `between` sin(k X)
+        double height_m; ///< of the outer ones, and more
     };
-    const Surface surface({{keyframe(0, -1), keyframe(after_us, 1)}}, {1, 1}, {.reach_m = 10.0},
-                          {});
-    // Above x = 0 stand three sheets: k X = 0, and k X = 1.5 sin(k X), where cos(k X) = 0.075.
-    for (double x_m = -0.5; x_m <= 0.5; x_m += 0.0625) {
-        const Answer answer = surface.answer({x_m, 3.0, after_us / 2});
-        EXPECT_GT(answer.height_m, 0.9) << x_m;
-        EXPECT_EQ(answer.flags & answer_folded, answer_folded) << x_m;
-        EXPECT_EQ(surface.answer({x_m, 3.0, 0}).flags & answer_folded, 0u) << x_m;
+    for (const Case& fold : {Case{0, 1.5, 0.5, 0.9}, {0.9, 1.15, 0.2, 0.25}}) {
+        // Half-way the two rates count for an eighth of the interval each.
+        const double rate_mps = 4 * (fold.between - fold.at_keyframes) / k_radpm;
+        const auto keyframe = [&](TimeUs time_us, double sign) {
+            Keyframe map;
+            map.time_us = time_us;
+            map.size = 64;
+            map.length_m = 64.0;
+            map.fields = surface_fields;
+            map.values.resize(6 * map.plane_size());
+            for (std::size_t i = 0; i < map.plane_size(); ++i) {
+                const double phase = k_radpm * static_cast<double>(i % 64);
+                map.plane(Field::height)[i] = static_cast<float>(1 - std::cos(phase));
+                map.plane(Field::displacement_x)[i] =
+                    static_cast<float>(-fold.at_keyframes / k_radpm * std::sin(phase));
+                map.plane(Field::displacement_x_rate)[i] =
+                    static_cast<float>(sign * rate_mps * std::sin(phase));
+            }
+            return std::make_shared<const SplineMap>(map);
+        };
+        const Surface surface({{keyframe(0, -1), keyframe(after_us, 1)}}, {1, 1}, {.reach_m = 10.0},
+                              {});
+        for (int i = -8; i <= 8; ++i) {
+            const double x_m = fold.reach_m * i / 8;
+            const Answer answer = surface.answer({x_m, 3.0, after_us / 2});
+            EXPECT_GT(answer.height_m, fold.height_m) << x_m;
+            EXPECT_EQ(answer.flags & answer_folded, answer_folded) << x_m;
+            EXPECT_EQ(surface.answer({x_m, 3.0, 0}).flags & answer_folded, 0u) << x_m;
+        }
     }
 }
 
