@@ -184,7 +184,7 @@ typedef struct seaway_looking {
     uint32_t size;
     uint32_t
         cascades; /* bit c: cascade c; 0: all. Where the sea has none of these: SEAWAY_BAD_ARGUMENT */
-    /* A hull that is L long does not feel waves that are much shorter. Cascades all of whose waves are shorter are left out;
+    /* A hull that is L long does not feel waves that are much shorter. Cascades all of whose waves (seaway_cascade.longest_wave_m) are shorter are left out;
      * shorter waves of a cascade that has longer ones too stay: of the gale, whose first cascade ends at 53 m, 100 leaves 0.63 m rms
      * of waves below 100 m. 0 to 1e9; 0: all waves. error_m is then of the water that is left. */
     double min_wavelength_m;

@@ -14,7 +14,7 @@ namespace seaway::server {
 namespace {
 
 /// Less would not let a whole request in.
-constexpr double request_bytes_per_s_min = 65536;
+constexpr double request_bytes_per_s_min = 262144;
 
 void limit_options(CommandLine& line, NetOptions& net) {
     const auto count = [&line](const char* name, int& value, int least, const char* help) {
@@ -30,7 +30,7 @@ void limit_options(CommandLine& line, NetOptions& net) {
           "Streams that have not said Hello");
     count("--wrong-tokens-per-address", net.wrong_tokens_per_address, 0, "Wrong tokens a minute");
     line.option("--request-bytes-per-address", net.request_bytes_per_s_per_address,
-                "Bytes of requests a second, 65536 and more; what is beyond is read later")
+                "Bytes of requests a second, 262144 and more; what is beyond is read later")
         .takes("BYTES")
         .between(0.0, 1e12)
         .shows_default();

@@ -26,7 +26,7 @@ std::size_t Memory::least_bytes(const MemoryNeeds& needs) {
 }
 
 std::size_t Memory::default_bytes(const MemoryNeeds& needs) {
-    return std::max(bytes_default, least_bytes(needs));
+    return std::max(bytes_default, sum(needs) + bytes_default / 3);
 }
 
 Memory::Memory(std::size_t bytes, const MemoryNeeds& needs) : bytes_(bytes) {

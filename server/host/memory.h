@@ -99,7 +99,8 @@ class Memory {
 
     /// The least budget that has room for one of each; what small things need included.
     static std::size_t least_bytes(const MemoryNeeds& needs);
-    /// bytes_default, or more where the sea needs it.
+    /// bytes_default, or more where the sea needs it: then a third of that is left to be shared, by which one client may have
+    /// all the points in flight that the wire lets it.
     static std::size_t default_bytes(const MemoryNeeds& needs);
 
     /// Shares add up to `bytes`, which is at least least_bytes(needs).

@@ -19,7 +19,7 @@
 namespace seaway::server {
 
 inline constexpr double price_sample_us = 0.0004;        ///< one sample of one field of a keyframe
-inline constexpr double price_spline_sample_us = 0.0034; ///< one sample of one field of a spline
+inline constexpr double price_spline_sample_us = 0.0042; ///< one sample of one field of a spline
 inline constexpr double price_foam_sample_us = 0.004;    ///< one sample of a tick, strains included
 inline constexpr double price_plane_sine_us =
     0.005; ///< one stylised wave at one point of a keyframe: plain

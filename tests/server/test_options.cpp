@@ -139,7 +139,7 @@ TEST(ServerOptions, limits_of_addresses_and_pages_that_may_come_each_have_a_flag
     const auto read = options_of(
         {"--health-listen", "127.0.0.1:2", "--connections-max", "11", "--sessions-max", "12",
          "--connections-per-address", "13", "--sessions-without-hello-per-address", "14",
-         "--wrong-tokens-per-address", "15", "--request-bytes-per-address", "70000.5",
+         "--wrong-tokens-per-address", "15", "--request-bytes-per-address", "300000.5",
          "--allow-origin", "https://a.example", "--allow-origin", "https://b.example", "b.toml"});
     ASSERT_TRUE(std::holds_alternative<Options>(read));
     const auto& all = std::get<Options>(read);
@@ -150,7 +150,7 @@ TEST(ServerOptions, limits_of_addresses_and_pages_that_may_come_each_have_a_flag
     EXPECT_EQ(all.net.connections_per_address, 13);
     EXPECT_EQ(all.net.sessions_without_hello_per_address, 14);
     EXPECT_EQ(all.net.wrong_tokens_per_address, 15);
-    EXPECT_EQ(all.net.request_bytes_per_s_per_address, 70000.5);
+    EXPECT_EQ(all.net.request_bytes_per_s_per_address, 300000.5);
     EXPECT_EQ(all.net.allowed_origins,
               (std::vector<std::string>{"https://a.example", "https://b.example"}));
 }

@@ -25,7 +25,7 @@ constexpr double rounding_cells = 1e-6;
 /// rates by themselves, shorter ones are bounded as these: 3 % more than the waves of one keyframe have.
 constexpr double carried_rad = 0.25;
 constexpr double carried_s_min = 1e-3, carried_s_max = 100;
-/// Every so many rows and columns are looked at for that.
+/// Of so many places one is looked at for that, but all of a small map.
 constexpr int looked_at = 8;
 
 /// D_x, D_y carried on, and carried back, side by side.
@@ -51,9 +51,11 @@ F4 displacement(const float* texel, float carried_s) {
 /// A map that is flat is carried for a second, which changes nothing; what stands but for rounding, for no longer than waves last.
 double carried_for(const float* coefficients, int size) {
     const std::size_t pitch = static_cast<std::size_t>(size + SplineMap::border) * channels;
+    const int step = size < looked_at * looked_at ? 1 : looked_at;
     F4 strains{}, rates{};
-    for (int y = 0; y < size; y += looked_at)
-        for (int x = 0; x < size; x += looked_at) {
+    for (int y = 0; y < size;
+         ++y) // each row from elsewhere: of a wave as long as a step all places would be alike
+        for (int x = y * (y + 1) / 2 % step; x < size; x += step) {
             const float* at = coefficients + static_cast<std::size_t>(y) * pitch +
                               static_cast<std::size_t>(x) * channels;
             const Texel here(at), east(at + channels), north(at + pitch);
@@ -200,8 +202,21 @@ F4 half_gap(F4 xx, F4 yy, F4 xy) {
 }
 /// Per cell, of one length.
 struct Strains {
-    F4 on, back; ///< the smallest
-    F4 apart;    ///< the largest between both
+    F4 on = F4{} + 3e38f, back = F4{} + 3e38f; ///< the smallest
+    F4 apart{};                                ///< the largest between both
+
+    void add(const Strains& other) {
+        on = smaller(on, other.on);
+        back = smaller(back, other.back);
+        apart = larger(apart, other.apart);
+    }
+    /// Of all four: the smallest on and back, and of what lies between them the largest, below 0.
+    F4 together() const {
+        F4 all{on[0], back[0], -apart[0], 0};
+        for (std::size_t i = 1; i < lanes; ++i)
+            all = smaller(all, F4{on[i], back[i], -apart[i], 0});
+        return all;
+    }
 };
 F4 smallest_strain(const Bounds::Carried& x, const Bounds::Carried& y) {
     const F4 xy =
@@ -217,36 +232,27 @@ Strains strains_of(const Bounds& x, const Bounds& y) {
 
 /// What is widened to hold several cells or blocks: extents before they are put together.
 struct Block {
-    Strains strains{F4{} + 3e38f, F4{} + 3e38f, F4{}}; ///< of every fourth cell
+    F4 strains = F4{} + 3e38f; ///< as Strains::together()
     Extent moved;
-    Extent apart; ///< what is carried on, less what is carried back
+    F4 apart =
+        F4{} -
+        3e38f; ///< the most of what is carried on less what is carried back, and of its negative
 
     void add(const Block& other) {
-        add(other.strains);
+        strains = smaller(strains, other.strains);
         moved.add(other.moved);
-        apart.add(other.apart);
-    }
-    void add(const Strains& other) {
-        strains.on = smaller(strains.on, other.on);
-        strains.back = smaller(strains.back, other.back);
-        strains.apart = larger(strains.apart, other.apart);
+        apart = larger(apart, other.apart);
     }
     StrainBounds bounds(float carried_s) const {
-        const F4 range = moved.high - moved.low, range_apart = apart.high - apart.low;
+        const F4 range = moved.high - moved.low;
         const float a_second = 0.5f / carried_s;
-        StrainBounds all{.range_on_m = std::hypot(range[dx], range[dy]),
-                         .range_back_m = std::hypot(range[dx + back], range[dy + back]),
-                         .range_rate = a_second * std::hypot(range_apart[dx], range_apart[dy]),
-                         .strain_on = strains.on[0],
-                         .strain_back = strains.back[0],
-                         .strain_rate = strains.apart[0]};
-        for (std::size_t i = 1; i < lanes; ++i) {
-            all.strain_on = std::min(all.strain_on, strains.on[i]);
-            all.strain_back = std::min(all.strain_back, strains.back[i]);
-            all.strain_rate = std::max(all.strain_rate, strains.apart[i]);
-        }
-        all.strain_rate *= a_second;
-        return all;
+        return {.range_on_m = std::hypot(range[dx], range[dy]),
+                .range_back_m = std::hypot(range[dx + back], range[dy + back]),
+                .range_rate = a_second * std::hypot(apart[dx] + apart[dx + back],
+                                                    apart[dy] + apart[dy + back]),
+                .strain_on = strains[0],
+                .strain_back = strains[1],
+                .strain_rate = -a_second * strains[2]};
     }
 };
 
@@ -264,18 +270,16 @@ std::size_t index(int x, int y, int count) {
 void add_displacements(const Row& row, int number, int block, int count,
                        std::vector<Block>& blocks) {
     for (int bx = 0; bx < count; ++bx) {
-        Extent extent, apart;
+        Block some;
         for (int i = bx * block; i < bx * block + block + support - 1; ++i) {
             const F4 both = row[static_cast<std::size_t>(i)];
-            extent.add(both);
-            apart.add(both - __builtin_shufflevector(both, both, 2, 3, 0, 1));
+            some.moved.add(both);
+            some.apart = larger(some.apart, both - __builtin_shufflevector(both, both, 2, 3, 0, 1));
         }
         for (int by = std::max(0, (number - support + 1) / block);
              by < count && by * block <= number; ++by)
-            if (number < by * block + block + support - 1) {
-                blocks[index(bx, by, count)].moved.add(extent);
-                blocks[index(bx, by, count)].apart.add(apart);
-            }
+            if (number < by * block + block + support - 1)
+                blocks[index(bx, by, count)].add(some);
     }
 }
 
@@ -294,6 +298,7 @@ std::vector<Block> blocks_of(const float* coefficients, int size, int block, flo
     // Of as many rows as a cell hangs on, in turns.
     std::array<BoundsOfRow, support> x;
     std::array<BoundsOfRow, support - 1> y;
+    std::vector<Strains> strains(static_cast<std::size_t>(count)); ///< of a row of blocks
     x.fill(BoundsOfRow(fours));
     y.fill(BoundsOfRow(fours));
     for (std::size_t r = 0; r < points; ++r) {
@@ -309,12 +314,15 @@ std::vector<Block> blocks_of(const float* coefficients, int size, int block, flo
         pauses.after(points);
         if (r + 1 < support)
             continue;
-        Block* const of_row = &blocks[index(0, (static_cast<int>(r + 1) - support) / block, count)];
-        for (std::size_t n = 0; n < fours; ++n) {
-            const Strains strains = strains_of(over(x, n), over(y, n));
-            of_row[lanes * n / static_cast<std::size_t>(block)].add(
-                Strains{per_m * strains.on, per_m * strains.back, per_m * strains.apart});
-        }
+        for (std::size_t n = 0; n < fours; ++n)
+            strains[lanes * n / static_cast<std::size_t>(block)].add(
+                strains_of(over(x, n), over(y, n)));
+        const int cell_row = static_cast<int>(r + 1) - support;
+        if ((cell_row + 1) % block != 0)
+            continue;
+        for (int bx = 0; bx < count; ++bx)
+            blocks[index(bx, cell_row / block, count)].strains =
+                per_m * std::exchange(strains[static_cast<std::size_t>(bx)], {}).together();
     }
     return blocks;
 }

@@ -8,6 +8,7 @@
 
 #include "server/host/memory.h"
 #include "server/simulation/memory_needs.h"
+#include "server/simulation/point_question.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/support/metrics_page.h"
 
@@ -37,6 +38,21 @@ TEST(Memory, shares_are_all_of_the_budget_and_have_room_for_one_of_each) {
     MemoryNeeds large{};
     large.back() = 2 * Memory::bytes_default;
     EXPECT_GT(Memory::default_bytes(large), large.back());
+}
+
+// Naive: where tiles are large, what is left beside one of each is what small things need, and an idle server refuses a client's second batch.
+TEST(Memory, however_large_its_tiles_a_server_has_room_for_what_one_client_has_in_flight) {
+    constexpr std::size_t points_of_a_query = 4096, queries_in_flight = 16; // protocol/limits.h
+    constexpr std::size_t reply_bytes = 160u * 1024;
+    MemoryNeeds needs{};
+    for (const std::size_t mb : {0, 600, 800, 5000}) {
+        needs[static_cast<std::size_t>(MemoryUse::keyframes)] = mb << 20;
+        const Memory memory(Memory::default_bytes(needs), needs);
+        const std::size_t batch = PointQuestion::bytes_of(points_of_a_query);
+        EXPECT_GE(memory.share(MemoryUse::points) / 2, queries_in_flight * batch)
+            << mb << " MB: who has one waiting finds half of it";
+        EXPECT_GE(memory.share(MemoryUse::replies), queries_in_flight * reply_bytes) << mb;
+    }
 }
 
 // A scene of large grids: a surface is 2 keyframes a cascade, of 6 fields and a spline of 8 numbers a point
