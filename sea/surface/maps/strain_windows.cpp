@@ -53,8 +53,8 @@ double carried_for(const float* coefficients, int size) {
     const std::size_t pitch = static_cast<std::size_t>(size + SplineMap::border) * channels;
     const int step = size < looked_at * looked_at ? 1 : looked_at;
     F4 strains{}, rates{};
-    for (int y = 0; y < size;
-         ++y) // each row from elsewhere: of a wave as long as a step all places would be alike
+    // Each row from elsewhere: of a wave as long as a step all places would be alike.
+    for (int y = 0; y < size; ++y)
         for (int x = y * (y + 1) / 2 % step; x < size; x += step) {
             const float* at = coefficients + static_cast<std::size_t>(y) * pitch +
                               static_cast<std::size_t>(x) * channels;
@@ -230,13 +230,12 @@ Strains strains_of(const Bounds& x, const Bounds& y) {
                 half_gap(x.stretch_apart, y.stretch_apart, xy_apart)};
 }
 
-/// What is widened to hold several cells or blocks: extents before they are put together.
+/// What is widened to hold several cells or blocks.
 struct Block {
     F4 strains = F4{} + 3e38f; ///< as Strains::together()
     Extent moved;
-    F4 apart =
-        F4{} -
-        3e38f; ///< the most of what is carried on less what is carried back, and of its negative
+    /// The most of what is carried on less what is carried back, and of its negative.
+    F4 apart = F4{} - 3e38f;
 
     void add(const Block& other) {
         strains = smaller(strains, other.strains);
