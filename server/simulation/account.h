@@ -2,7 +2,8 @@
 // Account: what one asker may have worked for it: so much of the threads' time a second, and some
 // of it saved up. A bucket of microseconds that fills at `rate`; a request may be made while there is
 // anything in it, and takes its price out, which may leave a debt: so one large request is possible and
-// the next one waits. Plain arithmetic on times that are given.
+// the next one waits. Work beyond the price is taken out as it is done: all of it at the end would come after the bucket had been
+// full for as long, and flowed over. Plain arithmetic on times that are given.
 #pragma once
 
 #include <algorithm>
@@ -35,6 +36,10 @@ class Account {
         return balance_us_ > 0;
     }
     void take(double price_us) { balance_us_ -= price_us; }
+    void take(double us, double now_s) {
+        refill(now_s);
+        take(us);
+    }
     void give_back(double us) { balance_us_ = std::min(balance_us_ + us, full_us()); }
 
     /// Until may_ask() again.

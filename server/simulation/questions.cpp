@@ -241,13 +241,18 @@ void Questions::given_back(Line& line, const Question& question) {
 }
 
 void Questions::spent(Question& question, double us) {
+    const double taken_us = std::max(question.price_us, question.spent_us);
     question.spent_us += us;
     const std::scoped_lock lock(mutex_);
     double& owed_us = owed_us_[static_cast<std::size_t>(question.next)];
     owed_us =
         question.prompt ? std::min(owed_us + us / 4, 2 * owed_us_max) : std::max(owed_us - us, 0.0);
-    if (const auto line = lines_.find(question.asker); line != lines_.end())
-        line->second.virtual_us += us;
+    const auto line = lines_.find(question.asker);
+    if (line == lines_.end())
+        return; // closed
+    line->second.virtual_us += us;
+    if (question.spent_us > taken_us)
+        line->second.account.take(question.spent_us - taken_us, now_s_());
 }
 
 void Questions::put_back(Question question) {
@@ -278,7 +283,7 @@ void Questions::over(const Question& question) {
         if (line == lines_.end())
             return; // closed
         given_back(line->second, question);
-        line->second.account.give_back(question.price_us - question.spent_us);
+        line->second.account.give_back(std::max(question.price_us - question.spent_us, 0.0));
     }
     if (question.prompt)
         return;

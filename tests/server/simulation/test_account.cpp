@@ -214,6 +214,42 @@ TEST(Budgets, what_takes_less_than_it_was_priced_at_is_given_back) {
     EXPECT_TRUE(desk.refusals.empty());
 }
 
+// Naive: what was worked beyond the price is taken at the end, when a bucket that was full all the while has what has flowed in
+// for one of them only: whoever had waited half a minute on a busy machine was refused the second question of the next four.
+TEST(Budgets, who_has_waited_for_what_took_far_longer_than_its_price_is_not_refused) {
+    Desk desk({.rate = 1, .burst_s = 10});
+    const Asker asker = desk.newcomer();
+    bool asks_again = false;
+    for (int round = 0; round < 3; ++round) {
+        int slices = 350;
+        desk.questions.ask({.slice =
+                                [&] {
+                                    asks_again = --slices == 0;
+                                    return asks_again;
+                                },
+                            .refuse = [&](const Error& why) { desk.refusals.push_back(why); },
+                            .asker = asker,
+                            .price_us = 0.7e6});
+        while (std::optional<Question> question = desk.questions.take(0)) {
+            desk.now_s += 0.1;
+            const bool done = question->slice();
+            if (asks_again) // its answer is there before anybody has counted the last slice
+                desk.ask(asker, "next", 1000);
+            desk.questions.spent(*question, 0.1e6);
+            if (!done) {
+                desk.questions.put_back(*std::move(question));
+                continue;
+            }
+            desk.questions.over(*question);
+            desk.ask(asker, "and one more", 1000);
+            break;
+        }
+        while (desk.work())
+            ;
+        ASSERT_TRUE(desk.refusals.empty()) << desk.refusals[0].message;
+    }
+}
+
 // 100 MB of legal queries, and their sender leaves: what it had waiting is gone before anything else is
 // worked on, and shuts nobody out.
 TEST(Budgets, what_waits_of_who_has_left_is_dropped_before_anything_is_worked_on) {
