@@ -104,10 +104,10 @@ Result<void> Client::look_at(std::span<const sea::QueryPoint> points, const Look
     }
     const double begun_s = thread_cpu_seconds();
     waves->at(time_us, [&](const RebuiltSea& sea) {
-        const sea::DirectSum::Moment moment = sea.sum().at_time(time_us, cascades);
+        const auto [moment, laid_out_s] = sea.laid_out(time_us, cascades);
         for (std::size_t i = 0; i < points.size(); ++i)
             answers[i] = sea.answer(points[i], moment);
-        maps->summed(batch, 1e6 * (thread_cpu_seconds() - begun_s));
+        maps->summed(batch, 1e6 * (thread_cpu_seconds() - begun_s), 1e6 * laid_out_s);
         keep(0);
         const sea::Choppiness choppiness = sea.sum().sea().choppiness;
         put({choppiness, 1e-7, sea::fold_search(state->displacement_reach_m, choppiness, 0)},

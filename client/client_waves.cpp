@@ -228,9 +228,9 @@ void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPo
             continue;
         }
         const double begun_s = thread_cpu_seconds();
-        then.waves->answer(asked, answered, some.terms, cascades);
+        const double laid_out_s = then.waves->answer(asked, answered, some.terms, cascades);
         if (maps)
-            maps->summed(batch, 1e6 * (thread_cpu_seconds() - begun_s));
+            maps->summed(batch, 1e6 * (thread_cpu_seconds() - begun_s), 1e6 * laid_out_s);
         if (how.parts == sea::AnswerParts::height)
             for (sea::Answer& answer : answered)
                 leave_out_velocity(answer);

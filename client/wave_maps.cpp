@@ -68,8 +68,8 @@ bool WaveMaps::is_worth(const WaveBatch& batch) {
                         missing_us(batch.time_us, batch.cascades));
 }
 
-void WaveMaps::summed(const WaveBatch& batch, double took_us) {
-    prices_.summed(cell_span(*state_, batch.time_us), batch, took_us);
+void WaveMaps::summed(const WaveBatch& batch, double took_us, double laid_out_us) {
+    prices_.summed(cell_span(*state_, batch.time_us), batch, took_us, laid_out_us);
 }
 
 HeldKeyframePtr WaveMaps::make(const Needed& one) {

@@ -44,8 +44,8 @@ class WaveMaps {
     /// Of one cascade, whatever it costs. What the waves are off by is no part of its errors, but of the first. Nothing: it
     /// cannot be made.
     std::optional<LocalSurface> map(sea::TimeUs time_us, int cascade);
-    /// A batch has been summed instead.
-    void summed(const WaveBatch& batch, double took_us);
+    /// A batch has been summed instead (WavePrices::summed()).
+    void summed(const WaveBatch& batch, double took_us, double laid_out_us = 0);
     sea::MixedMaps& mixed() { return surfaces_.mixed(); }
 
     /// Keyframes made so far.

@@ -7,6 +7,9 @@ namespace seaway::client {
 
 namespace {
 
+/// Laying out fewer waves tells more of the clock than of the machine.
+constexpr double lay_out_told_us = 5;
+
 /// What something is expected to take once it has taken this.
 double learnt(double expected, double took) {
     return 0.75 * expected + 0.25 * std::clamp(took, expected / 4, expected * 4);
@@ -35,14 +38,26 @@ WavePrices::WavePrices(const SeaState& state, const OwnSea& waves) {
         cascades_.push_back(
             {.interval_us = static_cast<double>(state.cascades[c].interval_us),
              .sum_point_us = count * sum_wave_us + stylised_us,
+             .lay_out_us = count * sum_wave_time_us,
              .sum_time_us = count * (glides ? gliding_wave_time_us : sum_wave_time_us),
              .keyframe_us = map_us * modes.spec.size * modes.spec.size});
     }
 }
 
+double WavePrices::expected_us(const Cascade& cascade) const {
+    return cascade.keyframe_us * cascade.keyframe_takes * machine_takes_;
+}
+
 double WavePrices::keyframe_us(int cascade) const {
     const std::scoped_lock lock(mutex_);
-    return cascades_[static_cast<std::size_t>(cascade)].keyframe_us;
+    return expected_us(cascades_[static_cast<std::size_t>(cascade)]);
+}
+
+double WavePrices::listed_lay_out_us(std::uint32_t cascades) const {
+    double us = 0;
+    for (std::size_t c = 0; c < cascades_.size(); ++c)
+        us += cascades >> c & 1u ? cascades_[c].lay_out_us : 0;
+    return us;
 }
 
 double WavePrices::listed_point_us(std::uint32_t cascades) const {
@@ -67,12 +82,17 @@ double WavePrices::sum_us(const WaveBatch& batch) const {
 
 void WavePrices::made(int cascade, double took_us) {
     const std::scoped_lock lock(mutex_);
-    double& expected_us = cascades_[static_cast<std::size_t>(cascade)].keyframe_us;
-    expected_us = learnt(expected_us, took_us);
+    Cascade& made = cascades_[static_cast<std::size_t>(cascade)];
+    made.keyframe_takes =
+        learnt(made.keyframe_takes, took_us / (made.keyframe_us * machine_takes_));
 }
 
-void WavePrices::summed(const TimeSpan& cell, const WaveBatch& batch, double took_us) {
+void WavePrices::summed(const TimeSpan& cell, const WaveBatch& batch, double took_us,
+                        double laid_out_us) {
     const std::scoped_lock lock(mutex_);
+    if (const double listed_us = listed_lay_out_us(batch.cascades);
+        laid_out_us > 0 && listed_us > lay_out_told_us)
+        machine_takes_ = learnt(machine_takes_, laid_out_us / listed_us);
     account_of(cell, batch.cascades).sums_us += took_us;
     if (const double listed_us = listed_sum_us(batch); listed_us > 0)
         sums_take_ = std::max(learnt(sums_take_, took_us / listed_us), sums_take_min);
@@ -102,8 +122,8 @@ double WavePrices::credit_left_us(const Account& account) const {
     double steady_us = 0, all_us = 0;
     for (std::size_t c = 0; c < cascades_.size(); ++c)
         if (account.cascades >> c & 1u) {
-            steady_us += cascades_[c].keyframe_us * lasts_us / cascades_[c].interval_us;
-            all_us += 2 * cascades_[c].keyframe_us;
+            steady_us += expected_us(cascades_[c]) * lasts_us / cascades_[c].interval_us;
+            all_us += 2 * expected_us(cascades_[c]);
         }
     const double left_us =
         account.credit_us + account.sums_us - std::max(account.spent_us, steady_us);

@@ -8,8 +8,10 @@
 // no reason to have any, however often it is paid. Where maps answer, what they spare counts as what sums would have taken. So whoever
 // asks waits for no more than about twice what the cheaper way would have taken, whether he asks about a time once or a thousand times.
 //
-// Prices begin with what was measured of a gale (docs/performance/points.md) and follow what things take: a sum of a steep sea ten times as
-// much, maps of stylised waves a hundred times. Thread-safe; some 0.1 us.
+// Prices begin with what was measured of a gale on one machine and follow what things take: a sum of a steep sea ten times as
+// much, maps of stylised waves a hundred times. What a machine, or what else runs on it, makes all of them cost is told by the laying out of
+// waves, which is part of every sum and takes as much in any sea: so keyframes have a price there before one is made.
+// Thread-safe; some 0.1 us.
 #pragma once
 
 #include <array>
@@ -25,8 +27,8 @@ namespace seaway::client {
 
 /// What sums take, of each wave: at one point, and for each time; of a sea that changes its waves are laid out anew. Of a stylised wave
 /// at one point what it adds to a map's.
-inline constexpr double sum_wave_us = 0.0025;
-inline constexpr double sum_wave_time_us = 0.002;
+inline constexpr double sum_wave_us = 0.005;
+inline constexpr double sum_wave_time_us = 0.004;
 inline constexpr double gliding_wave_time_us = 0.25;
 /// What making a keyframe for sampling takes, of each of its grid points; and for each stylised wave besides.
 inline constexpr double map_point_us = 0.05;
@@ -55,8 +57,8 @@ class WavePrices {
     // Times are what a thread has worked.
     /// A keyframe has been made.
     void made(int cascade, double took_us);
-    /// Points were summed whose keyframes are those of `cell`.
-    void summed(const TimeSpan& cell, const WaveBatch& batch, double took_us);
+    /// Points were summed whose keyframes are those of `cell`. `laid_out_us`: of that for the waves of one time; 0: it is not known.
+    void summed(const TimeSpan& cell, const WaveBatch& batch, double took_us, double laid_out_us);
     /// They were answered from those.
     void spared(const TimeSpan& cell, const WaveBatch& batch);
     /// Have sums of this cell, with these, paid for keyframes, and for what has been spent on it?
@@ -76,12 +78,16 @@ class WavePrices {
     struct Cascade {
         double interval_us = 0;
         double sum_point_us = 0;
-        double sum_time_us = 0;
-        double keyframe_us = 0;
+        double lay_out_us = 0;     ///< for a time
+        double sum_time_us = 0;    ///< with it
+        double keyframe_us = 0;    ///< as listed
+        double keyframe_takes = 1; ///< times that, and machine_takes_
     };
     double listed_point_us(std::uint32_t cascades) const;
     double listed_sum_us(const WaveBatch& batch) const;
+    double listed_lay_out_us(std::uint32_t cascades) const;
     // mutex_ held.
+    double expected_us(const Cascade& cascade) const;
     /// A new one takes over what is left of its neighbours'.
     Account& account_of(const TimeSpan& cell, std::uint32_t cascades);
     /// What is left for the next cell: no more than all keyframes of one.
@@ -89,7 +95,8 @@ class WavePrices {
 
     mutable std::mutex mutex_;
     std::vector<Cascade> cascades_;
-    double sums_take_ = 1; ///< times listed_sum_us()
+    double sums_take_ = 1;     ///< times listed_sum_us()
+    double machine_takes_ = 1; ///< times what is listed
     /// Places that are no numbers, and times whose waves are laid out already, take next to nothing: others do not.
     static constexpr double sums_take_min = 0.5;
     std::array<Account, 8> accounts_;

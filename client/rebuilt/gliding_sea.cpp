@@ -64,15 +64,19 @@ std::shared_ptr<const RebuiltSea> GlidingSea::at(sea::TimeUs time_us) const {
     return made;
 }
 
-void GlidingSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms, std::uint32_t cascades) const {
+double GlidingSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                          std::span<sea::ErrorTerms> terms, std::uint32_t cascades) const {
+    double laid_out_s = 0;
     for (std::size_t first = 0; first < points.size();) {
         const std::size_t end = sea::same_time_end(points, first);
-        at(points[first].time_us)
-            ->answer(points.subspan(first, end - first), answers.subspan(first, end - first),
-                     terms.empty() ? terms : terms.subspan(first, end - first), cascades);
+        const double took_s =
+            at(points[first].time_us)
+                ->answer(points.subspan(first, end - first), answers.subspan(first, end - first),
+                         terms.empty() ? terms : terms.subspan(first, end - first), cascades);
+        laid_out_s = first == 0 ? took_s : laid_out_s;
         first = end;
     }
+    return laid_out_s;
 }
 
 } // namespace seaway::client

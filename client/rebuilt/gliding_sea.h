@@ -23,9 +23,9 @@ class GlidingSea final : public OwnSea {
                                                             sea::TimeUs start_us,
                                                             sea::TimeUs end_us);
 
-    void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                std::span<sea::ErrorTerms> terms,
-                std::uint32_t cascades = sea::all_cascades) const override;
+    double answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                  std::span<sea::ErrorTerms> terms,
+                  std::uint32_t cascades = sea::all_cascades) const override;
     sea::RealizationPtr waves_at(sea::TimeUs time_us) const override { return change_.at(time_us); }
     RebuiltError error() const override { return error_; }
     const sea::SeaTransition* change() const override { return &change_; }

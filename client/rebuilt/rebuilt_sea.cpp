@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
+#include "base/elapsed.h"
 #include "client/link/failure.h"
 #include "sea/basics/deviations.h"
 #include "sea/scene/scene.h"
@@ -32,14 +32,23 @@ RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues
       folds_(sea::fold_search(state.displacement_reach_m, waves_->choppiness, state.rms_strain)),
       error_(error) {}
 
-void RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms, std::uint32_t cascades) const {
-    std::optional<sea::DirectSum::Moment> moment;
+double RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                          std::span<sea::ErrorTerms> terms, std::uint32_t cascades) const {
+    if (points.empty())
+        return 0;
+    auto [moment, took_s] = laid_out(points[0].time_us, cascades);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!moment || points[i].time_us != points[i - 1].time_us)
+        if (i > 0 && points[i].time_us != points[i - 1].time_us)
             moment = sum_.at_time(points[i].time_us, cascades);
-        answers[i] = answer(points[i], *moment, terms.empty() ? nullptr : &terms[i]);
+        answers[i] = answer(points[i], moment, terms.empty() ? nullptr : &terms[i]);
     }
+    return took_s;
+}
+
+RebuiltSea::LaidOut RebuiltSea::laid_out(sea::TimeUs time_us, std::uint32_t cascades) const {
+    const double begun_s = thread_cpu_seconds();
+    sea::DirectSum::Moment moment = sum_.at_time(time_us, cascades);
+    return {std::move(moment), thread_cpu_seconds() - begun_s};
 }
 
 sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {

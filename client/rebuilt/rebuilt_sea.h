@@ -35,10 +35,11 @@ class OwnSea {
     virtual ~OwnSea() = default;
 
     /// Points of equal times should stand together. All of the same length; `terms` may be empty. `cascades`: of these alone,
-    /// a bit each.
-    virtual void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                        std::span<sea::ErrorTerms> terms,
-                        std::uint32_t cascades = sea::all_cascades) const = 0;
+    /// a bit each. Returns what laying the waves out for the first of their times took, s of this thread: as much in gentle seas as in
+    /// steep ones.
+    virtual double answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                          std::span<sea::ErrorTerms> terms,
+                          std::uint32_t cascades = sea::all_cascades) const = 0;
     /// Its waves at a time, and what they are off by then.
     virtual sea::RealizationPtr waves_at(sea::TimeUs time_us) const = 0;
     virtual RebuiltError error() const = 0;
@@ -56,14 +57,21 @@ class RebuiltSea final : public OwnSea {
     RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues& state,
                const RebuiltError& error, sea::WaveGrowth growth = {});
 
-    void answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                std::span<sea::ErrorTerms> terms,
-                std::uint32_t cascades = sea::all_cascades) const override;
+    double answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
+                  std::span<sea::ErrorTerms> terms,
+                  std::uint32_t cascades = sea::all_cascades) const override;
     sea::RealizationPtr waves_at(sea::TimeUs) const override { return waves_; }
     RebuiltError error() const override { return error_; }
     void at(sea::TimeUs, const std::function<void(const RebuiltSea&)>& look) const override {
         look(*this);
     }
+
+    /// Its waves at a time, and what laying them out took, s of this thread.
+    struct LaidOut {
+        sea::DirectSum::Moment moment;
+        double took_s;
+    };
+    LaidOut laid_out(sea::TimeUs time_us, std::uint32_t cascades) const;
 
     /// Of a moment of sum(), which may be of some cascades alone. `terms`: filled in, or null.
     sea::Answer answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment,

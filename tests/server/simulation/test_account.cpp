@@ -250,6 +250,17 @@ TEST(Budgets, who_has_waited_for_what_took_far_longer_than_its_price_is_not_refu
     }
 }
 
+TEST(Budgets, what_takes_longer_than_it_was_priced_at_is_paid) {
+    Desk desk({.rate = 1, .burst_s = 1});
+    const Asker asker = desk.newcomer();
+    desk.ask(asker, "dear", 2000, false, 1000); // two slices
+    ASSERT_TRUE(desk.work(0.8e6) && desk.work(1.2e6));
+    EXPECT_TRUE(desk.refusals.empty());
+    desk.ask(asker, "next", 1);
+    ASSERT_EQ(desk.refusals.size(), 1u);
+    EXPECT_NEAR(desk.refusals[0].retry_after_ms, 1000, 2) << "a second beyond the one saved up";
+}
+
 // 100 MB of legal queries, and their sender leaves: what it had waiting is gone before anything else is
 // worked on, and shuts nobody out.
 TEST(Budgets, what_waits_of_who_has_left_is_dropped_before_anything_is_worked_on) {
