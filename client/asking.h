@@ -10,8 +10,9 @@
 namespace seaway::client {
 
 struct Asking {
-    bool exact = false;        ///< direct sum in double precision by the server; slow
-    double timeout_s = 10;     ///< for each batch that the points are split into
+    bool exact = false; ///< direct sum in double precision by the server; slow
+    /// For each batch that the points are split into; within it a server that is busy, and says for how long, is asked again.
+    double timeout_s = 10;
     sea::Looking looking = {}; ///< which waves count
 };
 

@@ -168,7 +168,7 @@ class Client {
     Result<LocalSurface> surface(sea::TimeUs time_us) const;
 
     /// Fetches the keyframes around these times that are not held, with the fields that sampling needs and those of `also` that
-    /// the server offers. Blocks. What came to the ring first makes room, never what these times need; more times than the ring
+    /// the server offers. Blocks; `timeout_s` is for each request, and within it a server that is busy is asked again. What came to the ring first makes room, never what these times need; more times than the ring
     /// has room for are an error.
     Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s,
                       sea::FieldSet also = {});
@@ -252,6 +252,7 @@ class Client {
     struct Again;
     enum class Turn { standing, waiting, opening, subscribing, resting, stopped };
     Result<Reply> reply_of(Waiter& waiter); ///< waits; without threads it works meanwhile
+    void rest_until(std::chrono::steady_clock::time_point until); ///< likewise; or the client's end
     /// One turn of work, until then at most.
     void work(std::chrono::steady_clock::time_point until);
     void work_held(std::chrono::steady_clock::time_point until); ///< working_ held

@@ -5,6 +5,7 @@
 
 #include "client/client.h"
 #include "client/link/failure.h"
+#include "client/link/patience.h"
 
 namespace seaway::client {
 
@@ -16,31 +17,66 @@ namespace {
 /// Batches of one ask() under way: enough to hide the round trip.
 constexpr std::size_t batches_in_flight = 4;
 
+struct Batch {
+    std::size_t first; ///< of its points
+    Patience patience;
+};
+
 /// Of one ask().
 struct Progress {
     std::mutex mutex;
     std::condition_variable changed;
+    std::size_t first_unsent = 0; ///< of the points
     std::size_t under_way = 0;
+    std::vector<Batch> to_send;              ///< refused, or the next one
+    Patience::Clock::time_point rests_until; ///< so that the server is not asked for more meanwhile
     Below found;
     std::optional<Error> problem;
 
-    /// Of the batch that begins with that point. Whoever waits is woken, whatever there is no memory for.
-    void take(std::size_t first, const Result<Reply>& reply) {
+    bool has_more() const { return first_unsent < found.answers.size() || !to_send.empty(); }
+    bool may_send() const { return has_more() && under_way < batches_in_flight; }
+    bool rests() const { return Patience::Clock::now() < rests_until; }
+    bool over() const { return problem || (!has_more() && under_way == 0); }
+
+    Batch next(std::size_t batch_size, double timeout_s) {
+        if (to_send.empty()) {
+            to_send.push_back({first_unsent, Patience(timeout_s)});
+            first_unsent += batch_size;
+        }
+        const Batch batch = to_send.back();
+        to_send.pop_back();
+        ++under_way;
+        return batch;
+    }
+    /// Whoever waits is woken, whatever there is no memory for.
+    void take(const Batch& batch, const Result<Reply>& reply) {
         const std::scoped_lock lock(mutex);
         --under_way;
-        const auto at = static_cast<std::ptrdiff_t>(first);
-        if (reply) {
-            std::ranges::copy(reply->answers, found.answers.begin() + at);
-            if (!reply->below.empty())
-                std::ranges::copy(reply->below, found.water.begin() + at);
-        } else if (!problem) {
+        if (reply)
+            keep(batch, *reply);
+        else if (!problem)
             try {
-                problem = reply.error();
+                refuse(batch, reply.error());
             } catch (const std::bad_alloc&) {
                 problem = failed(failure_of(reply.error()), "no memory");
             }
-        }
         changed.notify_all();
+    }
+
+  private:
+    void keep(const Batch& batch, const Reply& reply) {
+        const auto at = static_cast<std::ptrdiff_t>(batch.first);
+        std::ranges::copy(reply.answers, found.answers.begin() + at);
+        if (!reply.below.empty())
+            std::ranges::copy(reply.below, found.water.begin() + at);
+    }
+    void refuse(const Batch& batch, const Error& why) {
+        if (const auto at = batch.patience.again(why)) {
+            to_send.push_back(batch);
+            rests_until = std::max(rests_until, *at);
+        } else {
+            problem = why;
+        }
     }
 };
 
@@ -69,31 +105,40 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
     progress->found.water.resize(z_m.size());
     const ConnectionPtr connection = link();
     std::unique_lock lock(progress->mutex);
-    const auto wait = [&](const std::function<bool()>& ready) {
+    constexpr auto for_ever = Patience::Clock::time_point::max();
+    const auto wait = [&](Patience::Clock::time_point until, const std::function<bool()>& ready) {
         if (!threadless())
-            return progress->changed.wait(lock, ready);
+            return (void)progress->changed.wait_until(lock, until, ready);
         lock.unlock();
-        work_until(std::chrono::steady_clock::time_point::max(), [&] {
+        work_until(until, [&] {
             const std::scoped_lock inner(progress->mutex);
             return ready();
         });
         lock.lock();
     };
-    for (std::size_t first = 0; first < points.size(); first += batch_size) {
-        wait([&] { return progress->under_way < batches_in_flight; });
-        if (progress->problem)
-            break;
-        ++progress->under_way;
-        lock.unlock();
-        const auto batch = points.subspan(first, std::min(batch_size, points.size() - first));
-        const auto depths = z_m.empty() ? z_m : z_m.subspan(first, batch.size());
-        const auto answered = [progress, first](const Result<Reply>& reply) {
-            progress->take(first, reply);
+    const auto send = [&](const Batch& batch) {
+        const std::size_t first = batch.first;
+        const auto some = points.subspan(first, std::min(batch_size, points.size() - first));
+        const auto depths = z_m.empty() ? z_m : z_m.subspan(first, some.size());
+        const auto answered = [progress, batch](const Result<Reply>& reply) {
+            progress->take(batch, reply);
         };
-        connection->query(batch, asking.exact, asking.timeout_s, answered, asking.looking, depths);
+        connection->query(some, asking.exact, batch.patience.left_s(), answered, asking.looking,
+                          depths);
+    };
+    for (;;) {
+        wait(for_ever, [&] { return progress->over() || progress->may_send(); });
+        wait(progress->rests_until, [&] { return progress->over(); });
+        if (progress->over())
+            break;
+        if (!progress->may_send() || progress->rests())
+            continue;
+        const Batch batch = progress->next(batch_size, asking.timeout_s);
+        lock.unlock();
+        send(batch);
         lock.lock();
     }
-    wait([&] { return progress->under_way == 0; });
+    wait(for_ever, [&] { return progress->under_way == 0; });
     if (progress->problem)
         return *progress->problem;
     mark_unsure(points, progress->found.answers);

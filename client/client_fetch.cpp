@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "client/link/failure.h"
+#include "client/link/patience.h"
 #include "client/wanted.h"
 #include "protocol/limits.h"
 #include "sea/surface/by_time.h"
@@ -80,6 +81,7 @@ Result<void> Client::fetch(std::span<const TimeUs> times_us, sea::FieldSet field
     protocol::TileWish wish;
     wish.fields = fields;
     std::uint32_t cascades_left = 0; // of the first time, where cascades come apart
+    Patience patience(timeout_s);
     while (!times_us.empty()) {
         const SeaStatePtr state = sea_state(times_us.front());
         const std::uint32_t all_cascades = (1u << state->cascades.size()) - 1u;
@@ -95,13 +97,18 @@ Result<void> Client::fetch(std::span<const TimeUs> times_us, sea::FieldSet field
         if (cascades_left == 0)
             wish.cascades = all_cascades;
         Waiter waiter;
-        link()->fetch(times_us.first(count), wish, timeout_s, waiter.handler());
+        link()->fetch(times_us.first(count), wish, patience.left_s(), waiter.handler());
         const Result<Reply> reply = reply_of(waiter);
         if (reply) {
+            patience = Patience(timeout_s);
             note_offer(wish.fields, reply->fields);
             cascades_left &= ~wish.cascades;
             if (cascades_left == 0)
                 times_us = times_us.subspan(count);
+            continue;
+        }
+        if (const auto again = patience.again(reply.error())) {
+            rest_until(*again);
             continue;
         }
         if (failure_of(reply.error()) != Failure::too_large)

@@ -23,6 +23,15 @@ Result<Reply> Client::reply_of(Waiter& waiter) {
     return waiter.wait();
 }
 
+void Client::rest_until(steady_clock::time_point until) {
+    if (threadless()) {
+        work_until(until, [] { return false; });
+        return;
+    }
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, until, [&] { return leaving_.stop_requested(); });
+}
+
 bool Client::work_until(steady_clock::time_point until, const std::function<bool()>& done) {
     // Where another thread is at work nobody has to wait for it to see what has come.
     if (std::unique_lock working(working_, std::try_to_lock); working)

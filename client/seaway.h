@@ -253,8 +253,8 @@ typedef struct seaway_answer {
 } seaway_answer;
 
 /* The server answers `count` points, any number, each at its own time, past or future. exact: a
- * direct sum of all waves, slow. timeout_s: for each batch that the points are split into; 0: 10.
- * Blocks. */
+ * direct sum of all waves, slow. timeout_s: for each batch that the points are split into; 0: 10. A server that has no time for one now
+ * and says for how long is asked again within that; SEAWAY_REFUSED: it would be too late, or no time helps. Blocks. */
 seaway_code seaway_query(seaway_client* client, const seaway_point* points, size_t count, int exact,
                          double timeout_s, seaway_answer* answers);
 
@@ -292,7 +292,7 @@ seaway_code seaway_unsubscribe(seaway_client* client);
 
 /* Fetches what is needed to sample at these times, where it is not held. For a few times: the ring
  * that holds keyframes is bounded, the oldest go first; times in more intervals of keyframes than it has room for (24 of maps
- * of 256, 6 of 512, 2 of 1024) are SEAWAY_BAD_ARGUMENT. timeout_s 0: 10. Blocks. */
+ * of 256, 6 of 512, 2 of 1024) are SEAWAY_BAD_ARGUMENT. timeout_s 0: 10; of a server that is busy as in seaway_query. Blocks. */
 seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t count,
                         double timeout_s);
 

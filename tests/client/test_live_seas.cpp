@@ -183,11 +183,11 @@ class RefusingSea : public tests::WaveSea {
   public:
     void query(server::QueryBatch, Queried done) override {
         ++queries;
-        done(Error{server::Refusal::busy, "later"});
+        done(Error{server::Refusal::not_offered, "never"});
     }
 };
 
-// As many batches as are under way at once, and none after the first that is refused.
+// As many batches as are under way at once, and none after the first that is refused for good.
 TEST(Asking, ends_with_the_first_batch_that_is_refused) {
     RefusingSea sea;
     const auto net = tests::serve(sea);
