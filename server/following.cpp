@@ -10,6 +10,7 @@
 
 #include "sea/basics/time.h"
 #include "sea/scene/weather.h"
+#include "server/host/metrics_text.h"
 #include "server/scene_difference.h"
 #include "server/simulation/sea_course.h"
 
@@ -86,10 +87,9 @@ std::string Following::json() const {
 }
 
 std::string Following::metrics() const {
-    std::string text;
-    const auto add = [&](std::string_view row, std::string_view help, double value) {
-        text += fmt::format("# HELP seaway_{0} {1}\n# TYPE seaway_{0} gauge\nseaway_{0} {2}\n", row,
-                            help, value);
+    MetricsText text;
+    const auto add = [&](std::string_view name, std::string_view help, double value) {
+        text.one(name, "gauge", help, value);
     };
     add("journal_changes", "Changes that the journal is known to hold.", journal.last_epoch);
     add("journal_changes_played", "Changes that are part of the sea.", played);
@@ -98,7 +98,7 @@ std::string Following::metrics() const {
     add("journal_changes_counted_max", "So many there may be: a change more is refused.",
         static_cast<double>(changes_max));
     if (!shared)
-        return text;
+        return text.take();
     add("journal_unheard_seconds", "How long ago it was known that the journal holds no more.",
         sea::seconds_from_us(journal.unheard_us));
     add("peers", "Other servers of this log that this one compares its clock with.",
@@ -110,7 +110,7 @@ std::string Following::metrics() const {
         1e-6 * clock_budget_us());
     add("sea_stale", "1 while this sea may not be that of the other servers: /v1/state says why.",
         doubt().empty() ? 0 : 1);
-    return text;
+    return text.take();
 }
 
 namespace {

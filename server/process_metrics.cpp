@@ -5,11 +5,11 @@
 #include <fstream>
 #include <optional>
 
-#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "base/elapsed.h"
+#include "server/host/metrics_text.h"
 
 namespace seaway::server {
 namespace {
@@ -32,21 +32,17 @@ std::string process_metrics_text(const std::filesystem::path& process) {
     std::ifstream statm(process / "statm");
     const bool knows_memory = static_cast<bool>(statm >> pages >> resident_pages);
 
-    std::string text;
-    const auto add = [&text](const char* name, const char* type, const char* help, double value) {
-        text += fmt::format("# HELP process_{0} {2}\n# TYPE process_{0} {1}\nprocess_{0} {3}\n",
-                            name, type, help, value);
-    };
-    add("cpu_seconds_total", "counter", "Processor time, of users and of the system.",
-        process_cpu_seconds());
+    MetricsText text("process_");
+    text.one("cpu_seconds_total", "counter", "Processor time, of users and of the system.",
+             process_cpu_seconds());
     // To look takes a free file. Where there is none they are left out: what nobody knows is not 0.
     if (knows_memory)
-        add("resident_memory_bytes", "gauge", "Memory that is held.",
-            resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
+        text.one("resident_memory_bytes", "gauge", "Memory that is held.",
+                 resident_pages * static_cast<double>(sysconf(_SC_PAGESIZE)));
     if (const std::optional<double> count = open_files(process))
-        add("open_fds", "gauge", "Open files and connections.", *count);
-    add("max_fds", "gauge", "How many there may be.", static_cast<double>(files.rlim_cur));
-    return text;
+        text.one("open_fds", "gauge", "Open files and connections.", *count);
+    text.one("max_fds", "gauge", "How many there may be.", static_cast<double>(files.rlim_cur));
+    return text.take();
 }
 
 } // namespace seaway::server

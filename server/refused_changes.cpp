@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/refused_changes.h"
 
-#include <fmt/format.h>
-
+#include "server/host/metrics_text.h"
 #include "server/host/refusal.h"
 #include "server/simulation/sea_course.h"
 
@@ -34,11 +33,10 @@ RefusedChanges::Counts RefusedChanges::counts() const {
 }
 
 std::string metrics_text(const RefusedChanges::Counts& refused) {
-    std::string text = "# HELP seaway_changes_refused_total Changes of the sea that were asked for "
-                       "and not made.\n# TYPE seaway_changes_refused_total counter\n";
-    for (const auto& [reason, count] : refused)
-        text += fmt::format("seaway_changes_refused_total{{reason=\"{}\"}} {}\n", reason, count);
-    return text;
+    MetricsText text;
+    text.each("changes_refused_total", "reason",
+              "Changes of the sea that were asked for and not made.", refused);
+    return text.take();
 }
 
 } // namespace seaway::server

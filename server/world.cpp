@@ -11,6 +11,7 @@
 #include "base/undo.h"
 #include "sea/scene/weather.h"
 #include "server/host/grant.h"
+#include "server/host/metrics_text.h"
 #include "server/map_source.h"
 #include "server/process_metrics.h"
 #include "server/resume.h"
@@ -385,14 +386,12 @@ std::string World::plan_json() const {
 
 std::string World::metrics_text() const {
     const std::optional<Following> now = following();
-    const std::string following_metrics = now ? now->metrics() : "";
+    MetricsText spectra;
+    spectra.one("spectra_made_total", "counter",
+                "Waves of a sea that were encoded at one accuracy.", spectra_.made_so_far());
     return server::metrics_text(simulation_->plan(), simulation_->counters(), simulation_->costs(),
                                 clock_.moment()) +
-           following_metrics + server::metrics_text(refused_.counts()) +
-           fmt::format("# HELP seaway_spectra_made_total Waves of a sea that were encoded at one "
-                       "accuracy.\n# TYPE seaway_spectra_made_total counter\n"
-                       "seaway_spectra_made_total {}\n",
-                       spectra_.made_so_far()) +
+           (now ? now->metrics() : "") + server::metrics_text(refused_.counts()) + spectra.take() +
            process_metrics_text();
 }
 

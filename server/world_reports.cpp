@@ -12,6 +12,7 @@
 #include "protocol/limits.h"
 #include "sea/scene/scene_names.h"
 #include "sea/waves/probes.h"
+#include "server/host/metrics_text.h"
 #include "server/process_metrics.h"
 
 namespace seaway::server {
@@ -91,7 +92,7 @@ ordered_json effect_json(const EffectCosts& costs, std::size_t cascade, std::siz
 }
 
 /// One row an effect of each cascade, as Prometheus counters.
-std::string effect_metrics(const EffectPlan& plan, const EffectCosts& costs) {
+void add_effects(MetricsText& text, const EffectPlan& plan, const EffectCosts& costs) {
     struct Row {
         std::string_view name;
         std::string_view help;
@@ -106,33 +107,24 @@ std::string effect_metrics(const EffectPlan& plan, const EffectCosts& costs) {
          [](const EffectCost& cost) { return cost.transforms; }},
         {"effect_seconds_total", "Its share of the device's time.",
          [](const EffectCost& cost) { return cost.device_seconds; }}};
-    std::string text;
     for (const Row& row : rows) {
-        text +=
-            fmt::format("# HELP seaway_{0} {1}\n# TYPE seaway_{0} counter\n", row.name, row.help);
+        text.family(row.name, "counter", row.help);
         for (std::size_t c = 0; c < plan.cascades.size(); ++c)
             for (std::size_t e = 0; e < effect_table().size(); ++e)
-                text += fmt::format("seaway_{}{{cascade=\"{}\",effect=\"{}\"}} {}\n", row.name, c,
-                                    effect_table()[e].name, row.value(costs.cost(c, e)));
+                text.value({{"cascade", std::to_string(c)}, {"effect", effect_table()[e].name}},
+                           row.value(costs.cost(c, e)));
     }
-    return text;
 }
 
 /// What came of a device's memory, on the way to keyframes.
-std::string readback_metrics(const SynthesisCounters& c) {
-    std::string text = fmt::format(
-        "# HELP seaway_readback_bytes_total Bytes of maps that crossed from a device's own "
-        "memory.\n"
-        "# TYPE seaway_readback_bytes_total counter\nseaway_readback_bytes_total {}\n"
-        "# HELP seaway_maps_rounded_total Maps that crossed as 16 bits (--readback rounded).\n"
-        "# TYPE seaway_maps_rounded_total counter\nseaway_maps_rounded_total {}\n"
-        "# HELP seaway_maps_too_large_total Maps that 16 bits were too few for.\n"
-        "# TYPE seaway_maps_too_large_total counter\n",
-        c.readback_bytes, c.maps_rounded);
+void add_readback(MetricsText& text, const SynthesisCounters& c) {
+    text.one("readback_bytes_total", "counter",
+             "Bytes of maps that crossed from a device's own memory.", c.readback_bytes);
+    text.one("maps_rounded_total", "counter", "Maps that crossed as 16 bits (--readback rounded).",
+             c.maps_rounded);
+    text.family("maps_too_large_total", "counter", "Maps that 16 bits were too few for.");
     for (const sea::FieldInfo& row : sea::field_table)
-        text += fmt::format("seaway_maps_too_large_total{{field=\"{}\"}} {}\n", row.name,
-                            c.maps_too_large[static_cast<std::size_t>(row.field)]);
-    return text;
+        text.value({{"field", row.name}}, c.maps_too_large[static_cast<std::size_t>(row.field)]);
 }
 
 } // namespace
@@ -293,57 +285,54 @@ std::string plan_json(const RunningSea& sea, const EffectPlan& plan,
 
 std::string metrics_text(const EffectPlan& plan, const SimulationCounters& counters,
                          const EffectCosts& costs, const SeaMoment& at) {
-    std::string text = effect_metrics(plan, costs) + readback_metrics(counters.synthesis);
-    const auto add = [&](std::string_view name, std::string_view type, std::string_view help,
-                         double value) {
-        text += fmt::format("# HELP seaway_{0} {2}\n# TYPE seaway_{0} {1}\nseaway_{0} {3}\n", name,
-                            type, help, value);
-    };
-    const auto whole = [](std::uint64_t value) { return static_cast<double>(value); };
-    add("sea_time_seconds", "gauge", "Sea time.", sea::seconds_from_us(at.now_us));
-    add("sea_pace_ratio", "gauge", "How fast the sea runs: 1 as clocks do, 0 paused.",
-        at.pace_permille / static_cast<double>(sea::pace_unit));
-    add("sea_clock_behind_seconds", "gauge",
-        fmt::format(
-            "How far the sea's clock is behind UTC since the epoch; it is pulled by {} ms a "
-            "second.",
-            1000.0 / SeaClock::pull_parts),
-        sea::seconds_from_us(at.behind_us));
-    add("plan_idle", "gauge", "1 while nobody asks for anything.", plan.idle());
-    add("dispatches_total", "counter", "Kernels started.", whole(counters.synthesis.dispatches));
-    add("transforms_total", "counter", "2-D transforms of real fields.",
-        whole(counters.synthesis.transforms));
-    add("stylised_sums_total", "counter",
-        "Stylised waves that no transform carries, summed at a point of a map.",
-        whole(counters.synthesis.stylised_sums));
-    add("keyframes_total", "counter", "Keyframes computed.", whole(counters.synthesis.keyframes));
-    add("keyframes_copied_total", "counter",
+    MetricsText text;
+    add_effects(text, plan, costs);
+    add_readback(text, counters.synthesis);
+    text.one("sea_time_seconds", "gauge", "Sea time.", sea::seconds_from_us(at.now_us));
+    text.one("sea_pace_ratio", "gauge", "How fast the sea runs: 1 as clocks do, 0 paused.",
+             at.pace_permille / static_cast<double>(sea::pace_unit));
+    text.one("sea_clock_behind_seconds", "gauge",
+             fmt::format(
+                 "How far the sea's clock is behind UTC since the epoch; it is pulled by {} ms a "
+                 "second.",
+                 1000.0 / SeaClock::pull_parts),
+             sea::seconds_from_us(at.behind_us));
+    text.one("plan_idle", "gauge", "1 while nobody asks for anything.", plan.idle() ? 1 : 0);
+    text.one("dispatches_total", "counter", "Kernels started.", counters.synthesis.dispatches);
+    text.one("transforms_total", "counter", "2-D transforms of real fields.",
+             counters.synthesis.transforms);
+    text.one("stylised_sums_total", "counter",
+             "Stylised waves that no transform carries, summed at a point of a map.",
+             counters.synthesis.stylised_sums);
+    text.one("keyframes_total", "counter", "Keyframes computed.", counters.synthesis.keyframes);
+    text.one(
+        "keyframes_copied_total", "counter",
         "Keyframes copied out of a device's memory: where it is not read in place, or where as "
         "many are held there as may be.",
-        whole(counters.synthesis.copies));
-    add("foam_ticks_total", "counter",
-        "Ticks of foam histories, and steps that were shown and not kept.",
-        whole(counters.synthesis.foam_ticks));
-    add("cascades_taken_total", "counter",
-        "Cascades whose waves the device was given, a new sea at a time.",
-        whole(counters.synthesis.cascades));
-    add("device_seconds_total", "counter", "Time on the device.",
-        counters.synthesis.device_seconds);
-    add("keyframes_published_total", "counter", "Keyframes handed to the publisher.",
-        whole(counters.keyframes_published));
-    add("keyframes_skipped_total", "counter", "Keyframes too late to be of use.",
-        whole(counters.keyframes_skipped));
-    add("questions_total", "counter", "Queries and fetches taken.", whole(counters.questions));
-    add("questions_over_budget_total", "counter",
-        "Queries and fetches refused: their session had asked for too much.",
-        whole(counters.questions_over_budget));
-    add("device_rebuilds_total", "counter", "Times a failed device was rebuilt.",
-        whole(counters.device_rebuilds));
-    add("keyframe_store_hits_total", "counter", "Keyframes found in the cache.",
-        whole(counters.store.hits));
-    add("keyframe_store_misses_total", "counter", "Keyframes that had to be computed.",
-        whole(counters.store.misses));
-    return text;
+        counters.synthesis.copies);
+    text.one("foam_ticks_total", "counter",
+             "Ticks of foam histories, and steps that were shown and not kept.",
+             counters.synthesis.foam_ticks);
+    text.one("cascades_taken_total", "counter",
+             "Cascades whose waves the device was given, a new sea at a time.",
+             counters.synthesis.cascades);
+    text.one("device_seconds_total", "counter", "Time on the device.",
+             counters.synthesis.device_seconds);
+    text.one("keyframes_published_total", "counter", "Keyframes handed to the publisher.",
+             counters.keyframes_published);
+    text.one("keyframes_skipped_total", "counter", "Keyframes too late to be of use.",
+             counters.keyframes_skipped);
+    text.one("questions_total", "counter", "Queries and fetches taken.", counters.questions);
+    text.one("questions_over_budget_total", "counter",
+             "Queries and fetches refused: their session had asked for too much.",
+             counters.questions_over_budget);
+    text.one("device_rebuilds_total", "counter", "Times a failed device was rebuilt.",
+             counters.device_rebuilds);
+    text.one("keyframe_store_hits_total", "counter", "Keyframes found in the cache.",
+             counters.store.hits);
+    text.one("keyframe_store_misses_total", "counter", "Keyframes that had to be computed.",
+             counters.store.misses);
+    return text.take();
 }
 
 } // namespace seaway::server

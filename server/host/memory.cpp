@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "base/check.h"
+#include "server/host/metrics_text.h"
 
 namespace seaway::server {
 
@@ -38,25 +37,19 @@ Memory::Memory(std::size_t bytes, const MemoryNeeds& needs) : bytes_(bytes) {
 }
 
 std::string Memory::metrics_text() const {
-    std::string text;
-    const auto head = [&text](std::string_view name, std::string_view help) {
-        text += fmt::format("# HELP seaway_memory_{0} {1}\n# TYPE seaway_memory_{0} gauge\n", name,
-                            help);
-    };
+    MetricsText text("seaway_memory_");
     const auto each = [&](std::string_view name, std::string_view help, const auto& value) {
-        head(name, help);
+        text.family(name, "gauge", help);
         for (const MemoryShare& share : memory_shares)
-            text += fmt::format("seaway_memory_{}{{of=\"{}\"}} {}\n", name, share.name,
-                                value(*room(share.use)));
+            text.value({{"of", share.name}}, value(*room(share.use)));
     };
-    head("budget_bytes", "What may be held for those who ask, all in all.");
-    text += fmt::format("seaway_memory_budget_bytes {}\n", bytes_);
+    text.one("budget_bytes", "gauge", "What may be held for those who ask, all in all.", bytes_);
     each("share_bytes", "What of it each use may hold.",
          [](const Room& room) { return room.bytes_max(); });
     each("held_bytes", "What each use holds.", [](const Room& room) { return room.held_bytes(); });
     each("held_most_bytes", "The most that each use has held since the start.",
          [](const Room& room) { return room.held_bytes_most(); });
-    return text;
+    return text.take();
 }
 
 } // namespace seaway::server

@@ -1,57 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/net/counters.h"
 
-#include <iterator>
-
 #include <fmt/format.h>
+
+#include "server/host/metrics_text.h"
 
 namespace seaway::server {
 namespace {
 
-class Text {
-  public:
-    template <class Number>
-    void one(std::string_view name, std::string_view type, std::string_view help, Number value) {
-        head(name, type, help);
-        fmt::format_to(out(), "seaway_net_{} {}\n", name, value);
+/// Histograms of one name, by a label.
+template <class Map>
+void add_durations(MetricsText& t, std::string_view name, std::string_view label,
+                   std::string_view help, const Map& values) {
+    t.family(name, "histogram", help);
+    for (const auto& [key, value] : values) {
+        std::uint64_t within = 0;
+        for (std::size_t i = 0; i < Durations::bounds_s.size(); ++i)
+            t.value({{label, key}, {"le", fmt::format("{:g}", Durations::bounds_s[i])}},
+                    within += value.within[i], "_bucket");
+        t.value({{label, key}, {"le", "+Inf"}}, value.count, "_bucket");
+        t.value({{label, key}}, value.sum_s, "_sum");
+        t.value({{label, key}}, value.count, "_count");
     }
-    template <class Map>
-    void each(std::string_view name, std::string_view label, std::string_view help,
-              const Map& values) {
-        head(name, "counter", help);
-        for (const auto& [key, value] : values)
-            fmt::format_to(out(), "seaway_net_{}{{{}=\"{}\"}} {}\n", name, label, key, value);
-    }
-    /// Histograms of one name, by a label.
-    template <class Map>
-    void durations(std::string_view name, std::string_view label, std::string_view help,
-                   const Map& values) {
-        head(name, "histogram", help);
-        for (const auto& [key, value] : values) {
-            std::uint64_t within = 0;
-            for (std::size_t i = 0; i < Durations::bounds_s.size(); ++i)
-                fmt::format_to(out(), "seaway_net_{}_bucket{{{}=\"{}\",le=\"{:g}\"}} {}\n", name,
-                               label, key, Durations::bounds_s[i], within += value.within[i]);
-            fmt::format_to(out(),
-                           "seaway_net_{0}_bucket{{{1}=\"{2}\",le=\"+Inf\"}} {3}\n"
-                           "seaway_net_{0}_sum{{{1}=\"{2}\"}} {4}\n"
-                           "seaway_net_{0}_count{{{1}=\"{2}\"}} {3}\n",
-                           name, label, key, value.count, value.sum_s);
-        }
-    }
-    std::string take() { return std::move(text_); }
-
-  private:
-    std::back_insert_iterator<std::string> out() { return std::back_inserter(text_); }
-    void head(std::string_view name, std::string_view type, std::string_view help) {
-        fmt::format_to(out(), "# HELP seaway_net_{} {}\n# TYPE seaway_net_{} {}\n", name, help,
-                       name, type);
-    }
-    std::string text_;
-};
+}
 
 /// From the simulation to the sessions.
-void add_keyframes(Text& t, const Counters& c, const Gauges& g, const EncoderCounters& e) {
+void add_keyframes(MetricsText& t, const Counters& c, const Gauges& g, const EncoderCounters& e) {
     t.one("keyframes_published_total", "counter", "Keyframes that somebody wanted",
           c.keyframes_published);
     t.one("keyframes_dropped_total", "counter",
@@ -83,7 +57,7 @@ void add_keyframes(Text& t, const Counters& c, const Gauges& g, const EncoderCou
 } // namespace
 
 std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounters& e) {
-    Text t;
+    MetricsText t("seaway_net_");
     t.one("sessions", "gauge", "WebSocket sessions open", g.sessions);
     t.one("sessions_max", "gauge", "As many are taken at a time", g.sessions_max);
     t.one("subscriptions", "gauge", "Sessions that are streamed tiles", g.subscriptions);
@@ -113,10 +87,10 @@ std::string metrics_text(const Counters& c, const Gauges& g, const EncoderCounte
     t.one("sent_bytes_total", "counter", "Bytes of messages to clients", c.bytes_sent);
     t.one("queries_total", "counter", "Queries accepted", c.queries);
     t.one("query_points_total", "counter", "Points of queries accepted", c.query_points);
-    t.durations("answer_seconds", "points",
-                "From when a query has been read until its reply is handed to its line",
-                std::map<std::string, const Durations&>{{"few", c.few_answered},
-                                                        {"many", c.many_answered}});
+    add_durations(t, "answer_seconds", "points",
+                  "From when a query has been read until its reply is handed to its line",
+                  std::map<std::string, const Durations&>{{"few", c.few_answered},
+                                                          {"many", c.many_answered}});
     t.one("fetches_total", "counter", "Fetches and starts of subscriptions", c.fetches);
     t.one("predictions_given_up_total", "counter",
           "Sessions that could not follow predicted keyframes and asked for whole ones",
