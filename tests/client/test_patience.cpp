@@ -101,10 +101,10 @@ TEST_P(PatienceOf, who_has_no_more_of_it_is_told_what_the_server_said) {
     const auto client = connect();
     ASSERT_TRUE(client);
     sea.refuses = 1'000'000;
-    sea.hint_ms = 5000;
+    sea.hint_ms = 120'000;
     const sea::QueryPoint point{1, 2, 0};
     const sea::TimeUs time_us = 7'000'000;
-    const auto asked = client->ask({&point, 1}, {.timeout_s = 4});
+    const auto asked = client->ask({&point, 1}, {.timeout_s = 60});
     ASSERT_FALSE(asked);
     EXPECT_EQ(failure_of(asked.error()), Failure::refused);
     EXPECT_NE(asked.error().message.find("later"), std::string::npos) << asked.error().message;
@@ -112,7 +112,7 @@ TEST_P(PatienceOf, who_has_no_more_of_it_is_told_what_the_server_said) {
     sea.refuses = 0;
     ASSERT_TRUE(client->ask({&point, 1}, {.timeout_s = 60})) << "for which no time has to pass";
     sea.refuses = 1'000'000;
-    const auto fetched = client->hold({&time_us, 1}, 4);
+    const auto fetched = client->hold({&time_us, 1}, 60);
     ASSERT_FALSE(fetched);
     EXPECT_EQ(failure_of(fetched.error()), Failure::refused);
     EXPECT_EQ(sea.refused, 2);
