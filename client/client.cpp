@@ -6,6 +6,7 @@
 #include <future>
 
 #include "client/link/failure.h"
+#include "client/link/patience.h"
 #include "client/wanted.h"
 #include "sea/basics/glide.h"
 
@@ -195,23 +196,38 @@ void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
 
 template <class Kind>
 auto Client::subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription) {
-    Waiter waiter;
-    typename Kept<Kind>::Serial serial = 0;
-    {
-        const std::scoped_lock asking(asking_);
-        std::unique_lock lock(mutex_);
-        // Kept from here on: the connection may end, and come back, behind the grant.
-        serial = kept.ask(subscription);
-        lock.unlock();
-        ask_for(*link(), subscription, waiter);
+    const Patience patience(subscription.timeout_s);
+    for (;;) {
+        Waiter waiter;
+        Kind now = subscription;
+        now.timeout_s = patience.left_s();
+        ConnectionPtr connection;
+        typename Kept<Kind>::Serial serial = 0;
+        {
+            const std::scoped_lock asking(asking_);
+            std::unique_lock lock(mutex_);
+            connection = connection_;
+            // Kept from here on: the connection may end, and come back, behind the grant.
+            serial = kept.ask(subscription);
+            lock.unlock();
+            ask_for(*connection, now, waiter);
+        }
+        auto had = granted(subscription, reply_of(waiter));
+        {
+            const std::scoped_lock lock(asking_, mutex_);
+            if (had)
+                kept.granted(serial, subscription);
+            else
+                kept.failed(serial, subscription, had.error());
+        }
+        const auto again = had ? std::nullopt : patience.again(had.error());
+        if (!again)
+            return had;
+        rest_until(*again, connection);
+        const std::scoped_lock lock(mutex_);
+        if (kept.is_past(serial)) // who came later has his way
+            return had;
     }
-    auto had = granted(subscription, reply_of(waiter));
-    const std::scoped_lock lock(asking_, mutex_);
-    if (had)
-        kept.granted(serial, subscription);
-    else
-        kept.failed(serial, subscription, had.error());
-    return had;
 }
 
 Result<Grant> Client::subscribe(const protocol::TileWish& wish, int credit, double timeout_s) {

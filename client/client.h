@@ -252,7 +252,8 @@ class Client {
     struct Again;
     enum class Turn { standing, waiting, opening, subscribing, resting, stopped };
     Result<Reply> reply_of(Waiter& waiter); ///< waits; without threads it works meanwhile
-    void rest_until(std::chrono::steady_clock::time_point until); ///< likewise; or the client's end
+    /// Likewise; or to the end of that connection, or of the client.
+    void rest_until(std::chrono::steady_clock::time_point until, const ConnectionPtr& connection);
     /// One turn of work, until then at most.
     void work(std::chrono::steady_clock::time_point until);
     void work_held(std::chrono::steady_clock::time_point until); ///< working_ held

@@ -2,6 +2,7 @@
 // Client: points that the server answers.
 #include <algorithm>
 #include <condition_variable>
+#include <deque>
 
 #include "client/client.h"
 #include "client/link/failure.h"
@@ -28,7 +29,7 @@ struct Progress {
     std::condition_variable changed;
     std::size_t first_unsent = 0; ///< of the points
     std::size_t under_way = 0;
-    std::vector<Batch> to_send;              ///< refused, or the next one
+    std::deque<Batch> to_send; ///< refused, those that were sent first first; or the next one
     Patience::Clock::time_point rests_until; ///< so that the server is not asked for more meanwhile
     Below found;
     std::optional<Error> problem;
@@ -43,8 +44,8 @@ struct Progress {
             to_send.push_back({first_unsent, Patience(timeout_s)});
             first_unsent += batch_size;
         }
-        const Batch batch = to_send.back();
-        to_send.pop_back();
+        const Batch batch = to_send.front();
+        to_send.pop_front();
         ++under_way;
         return batch;
     }
@@ -71,12 +72,14 @@ struct Progress {
             std::ranges::copy(reply.below, found.water.begin() + at);
     }
     void refuse(const Batch& batch, const Error& why) {
-        if (const auto at = batch.patience.again(why)) {
-            to_send.push_back(batch);
+        const auto at = batch.patience.again(why);
+        if (at) {
+            to_send.insert(std::ranges::upper_bound(to_send, batch.first, {}, &Batch::first),
+                           batch);
             rests_until = std::max(rests_until, *at);
-        } else {
-            problem = why;
         }
+        if (!at || !to_send.front().patience.lasts_beyond(rests_until))
+            problem = why;
     }
 };
 
@@ -103,7 +106,7 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
     const auto progress = std::make_shared<Progress>();
     progress->found.answers.resize(points.size());
     progress->found.water.resize(z_m.size());
-    const ConnectionPtr connection = link();
+    ConnectionPtr connection = link();
     std::unique_lock lock(progress->mutex);
     constexpr auto for_ever = Patience::Clock::time_point::max();
     const auto wait = [&](Patience::Clock::time_point until, const std::function<bool()>& ready) {
@@ -128,7 +131,16 @@ Result<Below> Client::ask_all(std::span<const QueryPoint> points, std::span<cons
     };
     for (;;) {
         wait(for_ever, [&] { return progress->over() || progress->may_send(); });
-        wait(progress->rests_until, [&] { return progress->over(); });
+        if (progress->under_way > 0) {
+            wait(progress->rests_until, [&] { return progress->over(); });
+        } else if (progress->rests()) {
+            const auto until = progress->rests_until;
+            lock.unlock();
+            rest_until(until, connection);
+            connection = link();
+            lock.lock();
+            progress->rests_until = {};
+        }
         if (progress->over())
             break;
         if (!progress->may_send() || progress->rests())

@@ -97,7 +97,8 @@ Result<void> Client::fetch(std::span<const TimeUs> times_us, sea::FieldSet field
         if (cascades_left == 0)
             wish.cascades = all_cascades;
         Waiter waiter;
-        link()->fetch(times_us.first(count), wish, patience.left_s(), waiter.handler());
+        const ConnectionPtr connection = link();
+        connection->fetch(times_us.first(count), wish, patience.left_s(), waiter.handler());
         const Result<Reply> reply = reply_of(waiter);
         if (reply) {
             patience = Patience(timeout_s);
@@ -108,12 +109,13 @@ Result<void> Client::fetch(std::span<const TimeUs> times_us, sea::FieldSet field
             continue;
         }
         if (const auto again = patience.again(reply.error())) {
-            rest_until(*again);
+            rest_until(*again, connection);
             continue;
         }
         if (failure_of(reply.error()) != Failure::too_large)
             return reply.error();
         // The tiles are finer than usual: ask for less at once, from now on.
+        patience = Patience(timeout_s);
         const std::scoped_lock lock(mutex_);
         if (count > 1)
             times_taken_max_ = count / 2;

@@ -23,13 +23,19 @@ Result<Reply> Client::reply_of(Waiter& waiter) {
     return waiter.wait();
 }
 
-void Client::rest_until(steady_clock::time_point until) {
+void Client::rest_until(steady_clock::time_point until, const ConnectionPtr& connection) {
+    const auto over = [&] { // mutex_ held
+        return leaving_.stop_requested() || connection_ != connection || joining_->end;
+    };
     if (threadless()) {
-        work_until(until, [] { return false; });
+        work_until(until, [&] {
+            const std::scoped_lock lock(mutex_);
+            return over();
+        });
         return;
     }
     std::unique_lock lock(mutex_);
-    changed_.wait_until(lock, until, [&] { return leaving_.stop_requested(); });
+    changed_.wait_until(lock, until, over);
 }
 
 bool Client::work_until(steady_clock::time_point until, const std::function<bool()>& done) {

@@ -42,7 +42,7 @@ Result<void> Client::take_again(Kept<Kind>& kept, const typename Kept<Kind>::One
         kept.granted(asked.serial, *asked.wish);
     else if (had.error().is(Failure::refused)) // where it is lost it is asked for again
         kept.failed(asked.serial, *asked.wish, had.error());
-    return had ? Result<void>() : had.error();
+    return had || kept.is_over(asked.serial) ? Result<void>() : had.error();
 }
 
 /// Keyframes are offered to it as they come, those around its times stay. For as long as it lives;

@@ -38,7 +38,7 @@ WavePrices::WavePrices(const SeaState& state, const OwnSea& waves) {
         cascades_.push_back(
             {.interval_us = static_cast<double>(state.cascades[c].interval_us),
              .sum_point_us = count * sum_wave_us + stylised_us,
-             .lay_out_us = count * sum_wave_time_us,
+             .lay_out_us = (glides ? 2 : 1) * count * sum_wave_time_us, // what it grows by, too
              .sum_time_us = count * (glides ? gliding_wave_time_us : sum_wave_time_us),
              .keyframe_us = map_us * modes.spec.size * modes.spec.size});
     }

@@ -10,7 +10,7 @@
 //
 // Prices begin with what was measured of a gale on one machine and follow what things take: a sum of a steep sea ten times as
 // much, maps of stylised waves a hundred times. What a machine, or what else runs on it, makes all of them cost is told by the laying out of
-// waves, which is part of every sum and takes as much in any sea: so keyframes have a price there before one is made.
+// waves, which is part of every sum and takes as much in gentle seas as in steep ones: so keyframes have a price there before one is made.
 // Thread-safe; some 0.1 us.
 #pragma once
 

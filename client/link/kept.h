@@ -26,6 +26,10 @@ class Kept {
     };
 
     const std::optional<Wish>& wanted() const { return wanted_.wish; }
+    /// Has another been asked for since, or none any more?
+    bool is_past(Serial serial) const { return serial != last_ || is_over(serial); }
+    /// Has there been an end since?
+    bool is_over(Serial serial) const { return serial <= ended_; }
     /// That, to be asked for again.
     const One& wanted_one() const { return wanted_; }
 

@@ -19,20 +19,23 @@ class Patience {
 
     /// For the next request.
     double left_s() const { return std::chrono::duration<double>(until_ - Clock::now()).count(); }
-    /// When to ask again after this: up to twice as late as was said, by lot, as others were told the same. Nothing: that is
-    /// too late, or it will not be granted then either.
+    /// When to ask again after this: up to twice as late as was said, by lot, as others were told the same. Nothing: there
+    /// would be no time for an answer, or it will not be granted then either.
     std::optional<Clock::time_point> again(const Error& why) const {
         if (!why.is(Failure::refused) || why.retry_after_ms == 0)
             return std::nullopt;
         const Clock::time_point now = Clock::now();
         const Clock::time_point least = now + std::chrono::milliseconds(why.retry_after_ms);
-        if (least >= until_)
+        if (!lasts_beyond(least))
             return std::nullopt;
         const Clock::time_point by_lot = now + ticks(ReconnectPauses().next(why).count());
-        return by_lot < until_ ? by_lot : least;
+        return lasts_beyond(by_lot) ? by_lot : least;
     }
+    /// Is there time for an answer after that?
+    bool lasts_beyond(Clock::time_point at) const { return at + answer_takes < until_; }
 
   private:
+    static constexpr std::chrono::milliseconds answer_takes{200};
     static Clock::duration ticks(double s) {
         return std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(s));
     }

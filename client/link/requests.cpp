@@ -74,14 +74,26 @@ void Requests::send_waiting(Lane lane) {
                 return;
             Waiting& next = queue.waiting.front();
             request_id = next.request_id;
+            // Takes memory, and where there is none it waits on, whole.
+            Open& open =
+                open_.try_emplace(request_id, Open{lane, next.deadline_us, {}, next.fields, {}})
+                    .first->second;
+            open.handler = std::move(next.handler);
             message = std::move(next.message);
-            open_[request_id] = {lane, next.deadline_us, std::move(next.handler), next.fields, {}};
             queue.waiting.pop_front();
             ++queue.in_flight;
         }
-        if (!send_(request_id, std::move(message)))
+        const auto lost = [&](const char* why) {
             settle(lane, request_id,
-                   failed(Failure::lost, "the connection takes no more messages"));
+                   reply_of_failure(Failure::lost, [&] { return failed(Failure::lost, why); }));
+        };
+        try {
+            if (!send_(request_id, std::move(message)))
+                lost("the connection takes no more messages");
+        } catch (const std::bad_alloc&) { // its place would be taken for ever
+            lost("no memory to send it");
+            throw;
+        }
     }
 }
 

@@ -20,6 +20,7 @@
 
 #include "base/quiet_thread.h"
 #include "base/thread_name.h"
+#include "base/undo.h"
 #include "client/link/failure.h"
 #include "client/link/message_stream.h"
 #include "protocol/limits.h"
@@ -138,23 +139,22 @@ class SocketStream final : public MessageStream {
         if (closing_)
             return true;
         const std::size_t bytes = message.size();
-        if (waiting_bytes_.fetch_add(bytes) + bytes > waiting_bytes_max) {
-            waiting_bytes_ -= bytes;
+        Undo waits([&] { waiting_bytes_ -= bytes; });
+        if (waiting_bytes_.fetch_add(bytes) + bytes > waiting_bytes_max)
             return false;
-        }
         asio::post(io_, [this, message = std::move(message)]() mutable {
             outbox_.push_back(std::move(message));
             if (!writing_ && open_)
                 write();
         });
+        waits.keep();
         return true;
     }
 
     void close(std::string reason) override {
         if (closing_.exchange(true))
             return;
-        asio::post(
-            io_, [this, reason = std::move(reason)]() mutable { say_goodbye(std::move(reason)); });
+        asio::post(io_, [this, why = std::move(reason)] { say_goodbye(why); });
     }
 
     void drop() override {

@@ -123,7 +123,7 @@ std::optional<Error> Questions::over_its_budget(Line& line) {
         return std::nullopt;
     ++over_budget_;
     return busy(line.account.wait_s(),
-                fmt::format("what you have asked for takes longer than {} s and {} of the time "
+                fmt::format("what you have asked for takes longer than {:g} s and {:g} of the time "
                             "since: again in {:.1f} s",
                             budget_.burst_s, budget_.rate, std::max(line.account.wait_s(), 0.1)));
 }

@@ -50,6 +50,18 @@ TEST(Kept, who_comes_after_one_that_is_refused_is_wanted_whichever_reply_is_firs
     }
 }
 
+TEST(Kept, knows_who_has_come_since_and_whether_there_was_an_end) {
+    Kept<int> kept;
+    const auto one = kept.ask(1);
+    EXPECT_FALSE(kept.is_past(one) || kept.is_over(one));
+    const auto two = kept.ask(2);
+    EXPECT_TRUE(kept.is_past(one) && !kept.is_past(two));
+    kept.end();
+    EXPECT_TRUE(kept.is_past(two) && kept.is_over(one) && kept.is_over(two));
+    const auto three = kept.ask(3);
+    EXPECT_FALSE(kept.is_past(three) || kept.is_over(three));
+}
+
 // Naive: no reply is a refusal. The server may have granted it, and streams.
 TEST(Kept, what_was_not_answered_in_time_stays_wanted) {
     Kept<int> kept;

@@ -8,6 +8,7 @@
 
 #include "client/link/failure.h"
 #include "client/link/requests.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::client {
 namespace {
@@ -115,6 +116,58 @@ TEST_F(RequestsTest, of_a_lane_that_is_abandoned_fail_and_the_next_one_is_sent) 
     EXPECT_TRUE(requests.finish(Lane::spectrum, sent[2], Reply()));
     EXPECT_EQ(outcomes[4], "done");
     EXPECT_TRUE(requests.finish(Lane::query, sent[1], Reply())) << "others go on";
+}
+
+// Naive: half of it has been moved when there is no memory for its place, and what is left of it is sent, and told, and stops
+// all that comes after it.
+TEST_F(RequestsTest, that_find_no_memory_are_whole_or_told_and_stop_no_other) {
+    for (std::size_t after = 0; after < 12; ++after) {
+        std::vector<std::uint32_t> sent_ids;
+        sent_ids.reserve(2);
+        Requests all([&](std::uint32_t request_id, const protocol::Bytes& message) {
+            EXPECT_FALSE(message.empty());
+            sent_ids.push_back(request_id);
+            return true;
+        });
+        int told = 0;
+        bool thrown = false;
+        const auto ask = [&] {
+            all.start(
+                Lane::query, [](std::uint32_t) { return protocol::Bytes(100); }, 1000,
+                [&told](const Result<Reply>&) { ++told; });
+        };
+        try {
+            const tests::NoMemoryOnce now(after);
+            ask();
+        } catch (const std::bad_alloc&) {
+            thrown = true;
+        }
+        ask();
+        all.expire(2000);
+        EXPECT_TRUE(told == 2 || (thrown && told == 1)) << told << " after " << after;
+        all.fail_all(failed(Failure::lost, "gone"));
+        EXPECT_LE(told, 2);
+    }
+}
+
+TEST_F(RequestsTest, that_cannot_be_sent_for_want_of_memory_leave_their_place) {
+    bool sends = false;
+    Requests all([&](std::uint32_t, const protocol::Bytes&) {
+        if (!sends)
+            throw std::bad_alloc();
+        return true;
+    });
+    int lost = 0;
+    const auto ask = [&] {
+        all.start(
+            Lane::bulk, [](std::uint32_t) { return protocol::Bytes(1); }, 1000,
+            [&lost](const Result<Reply>& reply) { lost += reply ? 0 : 1; });
+    };
+    EXPECT_THROW(ask(), std::bad_alloc);
+    EXPECT_EQ(lost, 1);
+    sends = true;
+    ask();
+    EXPECT_TRUE(all.finish(Lane::bulk, 2, Reply())) << "it was sent";
 }
 
 // Naive: one who runs out of memory when he is told takes those behind him along, and they wait for ever.
