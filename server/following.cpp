@@ -88,8 +88,8 @@ std::string Following::json() const {
 
 std::string Following::metrics() const {
     MetricsText text;
-    const auto add = [&](std::string_view name, std::string_view help, double value) {
-        text.one(name, "gauge", help, value);
+    const auto add = [&](std::string_view family, std::string_view help, double value) {
+        text.one(family, "gauge", help, value);
     };
     add("journal_changes", "Changes that the journal is known to hold.", journal.last_epoch);
     add("journal_changes_played", "Changes that are part of the sea.", played);
