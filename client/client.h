@@ -310,6 +310,8 @@ class Client {
                           sea::FieldSet also);
     bool seas_are(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> expected) const;
     void note_seen(std::span<const std::pair<sea::TimeUs, SeaStatePtr>> sent);
+    /// Is it known which sea runs at each of these? One between keyframes that were asked for may have begun since the first of them.
+    bool are_known(std::span<const sea::TimeUs> times_us) const;
     /// It is not known which sea runs then, and the server can say.
     bool to_be_seen(sea::TimeUs time_us) const;
     /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.

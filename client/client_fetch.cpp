@@ -153,6 +153,13 @@ bool Client::to_be_seen(TimeUs time_us) const {
     return !known.has(time_us) || (missed_.contains(time_us) && !known.was_seen(time_us));
 }
 
+bool Client::are_known(std::span<const TimeUs> times_us) const {
+    const std::scoped_lock lock(mutex_);
+    return silent(local_now_us()) || std::ranges::all_of(times_us, [this](TimeUs time_us) {
+               return known_held(*sea_state_held(time_us)).has(time_us);
+           });
+}
+
 Result<void> Client::hold(std::span<const TimeUs> times_us, double timeout_s, sea::FieldSet also) {
     for (int telling = 0;; ++telling) {
         SEAWAY_TRY_LET(const bool held, try_hold(times_us, timeout_s, also));
@@ -205,7 +212,7 @@ Result<bool> Client::try_hold(std::span<const TimeUs> times_us, double timeout_s
     if (!seas_are(expected))
         return false;
     note_seen(expected);
-    return true;
+    return are_known(times_us);
 }
 
 std::size_t Client::batch_end(std::span<const QueryPoint> points,
@@ -257,11 +264,14 @@ Result<std::vector<Answer>> Client::fetch_and_sample(std::span<const QueryPoint>
                 missing.push_back(time_us);
         }
         SEAWAY_TRY(fetch(missing, fields, timeout_s));
-        if (!seas_are(expected)) {
-            if (tellings++ < tellings_max)
-                continue;
-        } else
+        const bool as_expected = seas_are(expected);
+        if (as_expected)
             note_seen(expected);
+        std::vector<TimeUs> asked_us;
+        for (const QueryPoint& point : batch)
+            asked_us.push_back(point.time_us);
+        if (!(as_expected && are_known(asked_us)) && tellings++ < tellings_max)
+            continue;
         tellings = 0;
         std::vector<Answer> sampled(batch.size());
         HeldSurfaces surfaces;

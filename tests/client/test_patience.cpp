@@ -2,6 +2,7 @@
 // A server that has no time for a request now, and a client that has: what takes several requests is not lost with one of them.
 #include <future>
 #include <mutex>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -20,16 +21,23 @@ class BusySea : public tests::WaveSea {
     std::atomic<int> refuses = 0; ///< so many yet
     std::atomic<std::uint32_t> hint_ms = 60;
     std::atomic<int> refused = 0, too_soon = 0;
-    std::atomic<bool> refuses_all = false; ///< not every second one
+    std::atomic<bool> refuses_all = false;  ///< not every second one
+    std::atomic<bool> refuses_once = false; ///< each batch when it comes first
     std::mutex mutex;
     std::vector<double> answered_x_m; ///< the first place of each batch
 
     void query(server::QueryBatch batch, Queried done) override {
+        const double first_x_m = batch.points.at(0).x_m;
+        {
+            const std::scoped_lock lock(mutex);
+            refuses_all = refuses_all || refuses_once;
+            refuses += refuses_once && seen_x_m_.insert(first_x_m).second ? 1 : 0;
+        }
         if (const std::optional<Error> why = busy())
             return done(*why);
         {
             const std::scoped_lock lock(mutex);
-            answered_x_m.push_back(batch.points.at(0).x_m);
+            answered_x_m.push_back(first_x_m);
         }
         WaveSea::query(std::move(batch), std::move(done));
     }
@@ -45,6 +53,7 @@ class BusySea : public tests::WaveSea {
     }
 
   private:
+    std::set<double> seen_x_m_;
     int requests_ = 0;
     bool begun_ = false; ///< nobody can have heard before that the first one was refused
     std::chrono::steady_clock::time_point said_;
@@ -103,8 +112,7 @@ TEST_P(PatienceOf, of_batches_that_were_refused_the_first_comes_again_first) {
     std::vector<sea::QueryPoint> points;
     for (std::size_t i = 0; i < 4 * batch; ++i) // as many as are under way at once
         points.push_back({static_cast<double>(i), 0, 0});
-    sea.refuses_all = true;
-    sea.refuses = 4;
+    sea.refuses_once = true;
     ASSERT_TRUE(client->ask(points, {.exact = true, .timeout_s = 60}));
     EXPECT_EQ(sea.refused, 4);
     const auto b = static_cast<double>(batch);

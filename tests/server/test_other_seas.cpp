@@ -73,6 +73,36 @@ class OtherSeas : public testing::Test {
     nlohmann::json answers(const std::string& how) const { return answers_of(url, how); }
 };
 
+// Naive: of two times between the same keyframes the later one is asked about, as the sea that runs then has run before. It has begun
+// in between, and what is held of the earlier time is of a sea that did not run.
+TEST_F(OtherSeas, a_change_between_keyframes_parts_the_times_around_it) {
+    std::string seas = four_seas;
+    seas.replace(seas.find("-200.0"), 6, "-200.37"); // its glide ends as far from any keyframe
+    tests::ServerProcess other{natively("parted_seas.toml", seas)};
+    const std::string there = other.wait_until_ready();
+    ASSERT_FALSE(there.empty()) << other.log();
+    for (const double change_s : {-200.37, -180.37}) {
+        const sea::TimeUs change_us = sea::us_from_seconds(change_s);
+        const sea::QueryPoint points[] = {{3, 4, change_us - 7000}, {3, 4, change_us + 7000}};
+        const sea::TimeUs times_us[] = {points[0].time_us, points[1].time_us};
+        const auto sampling = connect(there), holding = connect(there);
+        ASSERT_TRUE(sampling && holding);
+        const auto exact = sampling->ask(points, {.exact = true, .timeout_s = 60});
+        ASSERT_TRUE(exact) << exact.error().message;
+        const auto sampled = sampling->fetch_and_sample(points, 60);
+        ASSERT_TRUE(sampled) << change_s << sampled.error().message;
+        ASSERT_TRUE(holding->hold(times_us, 60));
+        const auto held = holding->sample(points);
+        ASSERT_TRUE(held) << held.error().message;
+        for (const auto* answers : {&*sampled, &*held})
+            for (std::size_t i = 0; i < 2; ++i) {
+                EXPECT_EQ((*answers)[i].flags, 0u) << change_s << " " << i;
+                EXPECT_LE(std::abs((*answers)[i].height_m - (*exact)[i].height_m),
+                          (*answers)[i].error_m + (*exact)[i].error_m);
+            }
+    }
+}
+
 // Naive: a program that has connected a moment ago takes the sea of now for that of any time, and its waves have their bound there;
 // or it asks for one other sea, and takes that for all between. Or displacements follow from heights in the sea of now, and are
 // left out of one in which they do not.
