@@ -150,7 +150,9 @@ void read_weather(TomlTable& root, Scene& scene) {
         table.assignments("set", change.set);
         change.line = table.line_of("set");
         table.finish();
-        free_from_s = std::min(change.at_s + change.over_s, 1e10);
+        // Of doubles 2.3 + 11.3 is more than 13.6.
+        free_from_s = std::min(
+            seconds_from_us(us_from_seconds(change.at_s) + us_from_seconds(change.over_s)), 1e10);
         scene.weather.push_back(std::move(change));
     }
 }

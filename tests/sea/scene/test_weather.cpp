@@ -55,6 +55,25 @@ TEST(Weather, a_change_sets_no_timetable) {
     }
 }
 
+// Naive: 2.3 + 11.3 is more than 13.6 in doubles, and a row that begins where the one before ends is refused, now and then.
+TEST(Weather, a_row_may_begin_where_the_one_before_ends) {
+    const std::string calm = system_of("jonswap", "wind_speed_10m_mps = 5\n");
+    const auto rows = [](double at_s, double over_s, double next_s) {
+        return fmt::format("[[weather]]\nat_s = {}\nover_s = {}\nset.sea.seed = 2\n"
+                           "[[weather]]\nat_s = {}\nset.sea.seed = 3\n",
+                           at_s, over_s, next_s);
+    };
+    EXPECT_EQ(error_of(calm + rows(2.3, 11.3, 13.6)), "no error");
+    EXPECT_EQ(error_of(calm + rows(-14.499996, 10, -4.499996)), "no error");
+    for (int i = 0; i < 300; ++i) {
+        const int at_ms = 7919 * i, over_ms = 10'000 + 104'729 * i;
+        EXPECT_EQ(error_of(calm + rows(1e-3 * at_ms, 1e-3 * over_ms, 1e-3 * (at_ms + over_ms))),
+                  "no error")
+            << i;
+    }
+    EXPECT_THAT(error_of(calm + rows(2.3, 11.3, 13.599)), HasSubstr("weather[2].at_s: 13.599"));
+}
+
 // Naive: the whole scene names the one that was given, and a change may not name the other.
 TEST(Weather, of_two_keys_that_exclude_each_other_the_one_that_is_set_stands) {
     const std::string phillips = system_of("phillips", "wind_speed_10m_mps = 15\n");
