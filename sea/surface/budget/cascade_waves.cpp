@@ -13,16 +13,19 @@ namespace seaway::sea {
 
 namespace {
 
-/// Waves that agree are missed between keyframes and between grid points at once: there the two add up to
-/// sqrt(2) times the root of their squares.
-constexpr double loss_sigmas = bound_sigmas / std::numbers::sqrt2;
-
-/// What a hard bound counts where standard deviations are added.
-double as_rms(double bound_m) {
-    return bound_m / bound_sigmas;
+/// 2 t x <= c x^2 + t^2 / c for any c. Of the product that counts on both sides already, t's share where it grows.
+double slow_share_m2(double own_m2, double slow_m2) {
+    return own_m2 > 0 ? slow_m2 * slow_m2 / own_m2 : 0.0;
 }
 
 } // namespace
+
+int given_parts(const CascadeModes& modes) {
+    bool given = false;
+    for (std::size_t i = 0; i < modes.h0.size() && !given; ++i)
+        given = modes.is_given(i) && modes.h0[i] != std::complex<double>{};
+    return (given ? 1 : 0) + (modes.sines.empty() ? 0 : 1);
+}
 
 /// One mode.
 struct CascadeWaves::Wave {
@@ -46,7 +49,7 @@ struct CascadeWaves::Missed {
         north.add(variance * along_y * along_y, amplitude * along_y, given);
         common_m2 += variance * along_x * along_y;
     }
-    void count(Motion& motion) const {
+    void count(Motion& motion, double loss_sigmas) const {
         const double given_common_m2 = east.given_m * north.given_m / square(loss_sigmas);
         const double common = std::max(common_m2, given_common_m2);
         motion.east_m2 += east.variance_m2(loss_sigmas) + common;
@@ -54,9 +57,11 @@ struct CascadeWaves::Missed {
     }
 };
 
-CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us)
-    : glide_us_(glide_us), size_(modes.spec.size), compact_size_(size_),
-      spacing_m_(modes.spec.spacing_m()), length_m_(modes.spec.length_m), depth_m_(modes.depth_m),
+CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us, int parts)
+    : glide_us_(glide_us), parts_(std::max(parts, 1)),
+      loss_sigmas_(bound_sigmas / std::sqrt(2.0 * parts_)), size_(modes.spec.size),
+      compact_size_(size_), spacing_m_(modes.spec.spacing_m()), length_m_(modes.spec.length_m),
+      depth_m_(modes.depth_m),
       rings_(static_cast<std::size_t>(size_)) { // the corners are at 0.71 of it
     for (std::size_t i = 0; i < modes.h0.size(); ++i)
         if (modes.h0[i] != std::complex<double>{})
@@ -86,9 +91,6 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us)
     for (const SineField& field : modes.sines) {
         const SineError& error = sines_.emplace_back(field, spacing_m_);
         omega_fastest_radps_ = std::max(omega_fastest_radps_, error.omega_max_radps());
-        Missed sines;
-        sines.add(1.0, loss_sigmas, as_rms(error.east_m()), as_rms(error.north_m()), true);
-        sines.count(height_);
         height_.gradient.given_m2 += error.slope_variance();
         for (const SineLine& line : sine_lines(field)) {
             const double k2 = square(line.kx_radpm) + square(line.ky_radpm);
@@ -100,7 +102,10 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us)
     }
     Motion* const motions[] = {&height_, &displacement_, &strain_};
     for (int i = 0; i < 3; ++i)
-        missed[i].count(*motions[i]);
+        missed[i].count(*motions[i], loss_sigmas_);
+    const SinesMissed sines = sines_missed(0);
+    height_.east_m2 += sines.east_m * (sines.east_m + sines.north_m);
+    height_.north_m2 += sines.north_m * (sines.east_m + sines.north_m);
     for (Motion* motion : {&height_, &displacement_})
         motion->single_m =
             single_precision_share * 4.0 * std::sqrt(motion->whole.variance_m2(bound_sigmas));
@@ -162,8 +167,8 @@ CutWaves CascadeWaves::cut(int size) const {
         missed.slope.add(rings_[n].slope, 1.0);
         missed.strain.add(rings_[n].strain, 1.0);
     }
-    const auto rms = [](const WaveSum& sum, double sigmas) {
-        return std::sqrt(sum.variance_m2(sigmas));
+    const auto rms = [this](const WaveSum& sum, double sigmas) {
+        return std::sqrt(sum.variance_m2(sigmas / std::sqrt(parts_)));
     };
     return {rms(missed.height, bound_sigmas), rms(missed.displacement, bound_sigmas),
             rms(missed.slope, bound_sigmas), rms(missed.strain, fold_sigmas)};
@@ -178,7 +183,7 @@ double CascadeWaves::time_rms(const Motion& motion, TimeUs interval_us) const {
     for (int bin = 0; bin < Motion::bins; ++bin)
         missed.add(motion.by_frequency[static_cast<std::size_t>(bin)],
                    missed_in_time(bin, interval_us));
-    return std::sqrt(missed.variance_m2(loss_sigmas));
+    return std::sqrt(missed.variance_m2(loss_sigmas_));
 }
 
 double CascadeWaves::missed_in_time(int bin, TimeUs interval_us) const {
@@ -199,10 +204,29 @@ Motion::Missed CascadeWaves::in_common(const Motion& motion, TimeUs interval_us)
     return common;
 }
 
-double CascadeWaves::with_sines_m(double height_m, TimeUs interval_us) const {
-    for (const SineError& sine : sines_)
-        height_m = std::hypot(height_m, as_rms(sine.time_m(interval_us, glide_us_)));
-    return height_m;
+double CascadeWaves::as_rms(double bound_m) const {
+    return std::sqrt(parts_) * bound_m / bound_sigmas;
+}
+
+CascadeWaves::SinesMissed CascadeWaves::sines_missed(TimeUs interval_us) const {
+    SinesMissed all;
+    double largest_m = 0;
+    for (const SineError& sine : sines_) {
+        const SineError::Time time =
+            interval_us > 0 ? sine.time(interval_us, glide_us_) : SineError::Time{};
+        const double time_m = as_rms(time.missed_m);
+        const double space_m = as_rms(sine.east_m()) + as_rms(sine.north_m());
+        all.time_m += time_m;
+        all.east_m += as_rms(sine.east_m());
+        all.north_m += as_rms(sine.north_m());
+        largest_m +=
+            std::sqrt(square(time_m) + square(space_m) + 2.0 * time.agrees * time_m * space_m);
+    }
+    const double space_m = all.east_m + all.north_m, product_m2 = 2.0 * all.time_m * space_m;
+    if (product_m2 > 0)
+        all.agrees = std::clamp(
+            (square(largest_m) - square(all.time_m) - square(space_m)) / product_m2, 0.0, 1.0);
+    return all;
 }
 
 CascadeLoss CascadeWaves::loss(TimeUs interval_us) const {
@@ -216,22 +240,26 @@ CascadeLoss CascadeWaves::loss(TimeUs interval_us) const {
         return loss;
     };
     CascadeLoss loss{of(height_), of(displacement_)};
-    loss.height.time_m = with_sines_m(loss.height.time_m, interval_us);
+    const SinesMissed sines = sines_missed(interval_us);
+    const double east_m2 = sines.time_east_m2(), north_m2 = sines.time_north_m2();
+    MapLoss& height = loss.height;
+    height.time_m = std::sqrt(square(height.time_m) + square(sines.time_m) + east_m2 + north_m2);
+    height.east_m = std::sqrt(square(height.east_m) + east_m2);
+    height.north_m = std::sqrt(square(height.north_m) + north_m2);
     return loss;
 }
 
-/// 2 t x <= c x^2 + t^2 / c for any c: the one by which x counts already.
 double CascadeWaves::slow_rms(const Motion& motion, TimeUs interval_us, TimeUs slow_us) const {
     const Motion::Missed own = in_common(motion, interval_us), slow = in_common(motion, slow_us);
-    const auto share_m2 = [](double own_m2, double slow_m2) {
-        return own_m2 > 0 ? slow_m2 * slow_m2 / own_m2 : 0.0;
-    };
-    return std::sqrt(square(time_rms(motion, slow_us)) + share_m2(own.east_m2, slow.east_m2) +
-                     share_m2(own.north_m2, slow.north_m2));
+    return std::sqrt(square(time_rms(motion, slow_us)) + slow_share_m2(own.east_m2, slow.east_m2) +
+                     slow_share_m2(own.north_m2, slow.north_m2));
 }
 
 CascadeWaves::SlowLoss CascadeWaves::slow_loss(TimeUs interval_us, TimeUs slow_us) const {
-    return {with_sines_m(slow_rms(height_, interval_us, slow_us), slow_us),
+    const SinesMissed own = sines_missed(interval_us), slow = sines_missed(slow_us);
+    return {std::sqrt(square(slow_rms(height_, interval_us, slow_us)) + square(slow.time_m) +
+                      slow_share_m2(own.time_east_m2(), slow.time_east_m2()) +
+                      slow_share_m2(own.time_north_m2(), slow.time_north_m2())),
             slow_rms(displacement_, interval_us, slow_us)};
 }
 

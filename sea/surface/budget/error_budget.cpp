@@ -122,8 +122,11 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
 std::vector<CascadeWaves> waves_of(const Realization& sea, TimeUs glide_us = 0) {
     std::vector<CascadeWaves> all;
     all.reserve(sea.cascades.size());
+    int parts = 0;
     for (const CascadeModes& modes : sea.cascades)
-        all.emplace_back(modes, glide_us);
+        parts += given_parts(modes);
+    for (const CascadeModes& modes : sea.cascades)
+        all.emplace_back(modes, glide_us, parts);
     return all;
 }
 

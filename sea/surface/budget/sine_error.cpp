@@ -92,21 +92,28 @@ SineError::SineError(const SineField& field, double spacing_m) : field_(field) {
         rate_detail_m2ps2_ += rate * rate / sample_count;
     }
     slope_variance_ /= sample_count;
-    east_m_ = margin * largest([&](const Sample& s) { return spline_error_m(s, spacing_m, 0); });
-    north_m_ = margin * largest([&](const Sample& s) { return spline_error_m(s, 0, spacing_m); });
+    const auto east = [&](const Sample& s) { return spline_error_m(s, spacing_m, 0); };
+    const auto north = [&](const Sample& s) { return spline_error_m(s, 0, spacing_m); };
+    east_ = met(east);
+    north_ = met(north);
+    east_m_ = margin * largest(east_, east);
+    north_m_ = margin * largest(north_, north);
+}
+
+template <class ErrorAt>
+std::vector<SineError::Met> SineError::met(const ErrorAt& error_at) const {
+    std::vector<Met> all;
+    all.reserve(samples_.size());
+    for (const Sample& s : samples_)
+        all.push_back({error_at(s), s});
+    return all;
 }
 
 /// Sharp crests are met beside their tops: from where errors are largest it goes on to where they are larger still.
 template <class ErrorAt>
-double SineError::largest(const ErrorAt& error_at) const {
-    struct Met {
-        double error_m;
-        Sample at;
-    };
-    std::vector<Met> met;
-    met.reserve(samples_.size());
-    for (const Sample& s : samples_)
-        met.push_back({error_at(s), s});
+double SineError::largest(std::vector<Met> met, const ErrorAt& error_at) const {
+    for (Met& one : met)
+        one.error_m = std::abs(one.error_m);
     std::partial_sort(met.begin(), met.begin() + starts, met.end(),
                       [](const Met& a, const Met& b) { return a.error_m > b.error_m; });
     double largest_m = 0;
@@ -126,7 +133,7 @@ double SineError::largest(const ErrorAt& error_at) const {
             for (const Sample& next :
                  {beside(-metres, 0, 0), beside(metres, 0, 0), beside(0, -metres, 0),
                   beside(0, metres, 0), beside(0, 0, -time_us), beside(0, 0, time_us)})
-                if (const double error_m = error_at(next); error_m > best.error_m) {
+                if (const double error_m = std::abs(error_at(next)); error_m > best.error_m) {
                     best = {error_m, next};
                     higher = true;
                 }
@@ -147,32 +154,54 @@ double SineError::spline_error_m(const Sample& s, double dx_m, double dy_m) cons
             sum += weights[static_cast<std::size_t>(n)] *
                    sines_at(field_, s.x_m + cells * dx_m, s.y_m + cells * dy_m, s.time_us).height;
         }
-    return std::abs(sum - sines_at(field_, s.x_m, s.y_m, s.time_us).height);
+    return sum - sines_at(field_, s.x_m, s.y_m, s.time_us).height;
 }
 
 double SineError::hermite_error_m(const Sample& s, TimeUs interval_us) const {
-    const LagrangianPoint before = sines_at(field_, s.x_m, s.y_m, s.time_us);
-    const LagrangianPoint after = sines_at(field_, s.x_m, s.y_m, s.time_us + interval_us);
     const auto between_us = static_cast<TimeUs>(s.share * static_cast<double>(interval_us));
-    const LagrangianPoint between = sines_at(field_, s.x_m, s.y_m, s.time_us + between_us);
+    const TimeUs before_us = s.time_us - between_us;
+    const LagrangianPoint before = sines_at(field_, s.x_m, s.y_m, before_us);
+    const LagrangianPoint after = sines_at(field_, s.x_m, s.y_m, before_us + interval_us);
+    const LagrangianPoint between = sines_at(field_, s.x_m, s.y_m, s.time_us);
     const double x = static_cast<double>(between_us) / static_cast<double>(interval_us);
     const double r = 1.0 - x;
     const double hermite_m =
         r * r * (1.0 + 2.0 * x) * before.height + x * x * (1.0 + 2.0 * r) * after.height +
         seconds_from_us(interval_us) * x * r * (r * before.height_rate - x * after.height_rate);
-    return std::abs(hermite_m - between.height);
+    return hermite_m - between.height;
 }
 
-double SineError::time_m(TimeUs interval_us, TimeUs glide_us) const {
+/// By the largest of t, of x and y together, and of all three, of either sign, since nearer to grid points and keyframes each of them is less:
+/// all^2 = t^2 + (x + y)^2 + 2 c t (x + y).
+double SineError::agrees(const std::vector<Met>& in_time) const {
+    double time_m = 0, space_m = 0, all_m = 0;
+    for (std::size_t i = 0; i < samples_.size(); ++i)
+        for (const double sign : {-1.0, 1.0}) {
+            const auto part = [sign](const Met& met) { return std::max(sign * met.error_m, 0.0); };
+            const double t = part(in_time[i]), space = part(east_[i]) + part(north_[i]);
+            time_m = std::max(time_m, t);
+            space_m = std::max(space_m, space);
+            all_m = std::max(all_m, t + space);
+        }
+    const double product_m2 = 2.0 * time_m * space_m;
+    return product_m2 > 0
+               ? std::clamp((square(all_m) - square(time_m) - square(space_m)) / product_m2, 0.0,
+                            1.0)
+               : 0.0;
+}
+
+SineError::Time SineError::time(TimeUs interval_us, TimeUs glide_us) const {
     const double u = omega_max_radps_ * seconds_from_us(interval_us);
-    double steady_m =
-        margin * largest([&](const Sample& s) { return hermite_error_m(s, interval_us); });
+    const auto error_at = [&](const Sample& s) { return hermite_error_m(s, interval_us); };
+    const std::vector<Met> in_time = met(error_at);
+    Time time{margin * largest(in_time, error_at), agrees(in_time)};
     if (u > hermite_phase_max)
-        steady_m = std::max(steady_m, sine_height_max_m(field_) * hermite_error(u));
-    if (glide_us <= 0)
-        return steady_m;
-    const double q = static_cast<double>(interval_us) / static_cast<double>(glide_us);
-    return steady_m + sine_height_max_m(field_) * (gliding_error(u, q) - hermite_error(u));
+        time.missed_m = std::max(time.missed_m, sine_height_max_m(field_) * hermite_error(u));
+    if (glide_us > 0) {
+        const double q = static_cast<double>(interval_us) / static_cast<double>(glide_us);
+        time.missed_m += sine_height_max_m(field_) * (gliding_error(u, q) - hermite_error(u));
+    }
+    return time;
 }
 
 } // namespace seaway::sea

@@ -150,7 +150,7 @@ TEST(SineError, the_largest_error_between_keyframes_is_found_where_none_of_its_p
                                        0.0125 * (before.height_rate - after.height_rate);
                 largest_m = std::max(largest_m, std::abs(hermite - middle.height));
             }
-            const double bound_m = SineError(field, 1.0).time_m(interval);
+            const double bound_m = SineError(field, 1.0).time(interval).missed_m;
             EXPECT_LE(largest_m, bound_m) << sharpness << " " << drag << " " << seed;
         }
 }
@@ -189,7 +189,7 @@ TEST(SineError, keyframes_whole_turns_apart_tell_nothing_of_a_wave) {
     for (const SineKind kind : {SineKind::sine, SineKind::exponential})
         for (const TimeUs interval_us : {1'000'000, 2'000'000, 4'000'000}) {
             const SineField field = once_a_second(kind, 2.0);
-            EXPECT_GE(SineError(field, 1.0).time_m(interval_us),
+            EXPECT_GE(SineError(field, 1.0).time(interval_us).missed_m,
                       largest_between_m(field, interval_us))
                 << interval_us;
         }
@@ -205,7 +205,7 @@ TEST(SineError, harmonics_that_turn_once_in_half_an_interval_are_counted) {
     for (const double sharpness : {1.0, 3.0, 10.0})
         for (const TimeUs interval_us : {250'000, 500'000, 640'000, 800'000, 1'000'000}) {
             const SineField field = once_a_second(SineKind::exponential, sharpness);
-            EXPECT_GE(SineError(field, 1.0).time_m(interval_us),
+            EXPECT_GE(SineError(field, 1.0).time(interval_us).missed_m,
                       largest_between_m(field, interval_us))
                 << sharpness << " " << interval_us;
         }
