@@ -14,6 +14,8 @@ namespace {
 
 constexpr int sample_count = 4096;
 constexpr double margin = 1.25;
+/// Of the largest of both together, which is of the samples alone: less, for each of the two has its own in it.
+constexpr double together_margin = 1.18;
 /// From so many of the largest errors that were met it goes uphill, in steps of radians of the shortest and of the fastest
 /// wave.
 constexpr int starts = 32;
@@ -184,10 +186,11 @@ double SineError::agrees(const std::vector<Met>& in_time) const {
             all_m = std::max(all_m, t + space);
         }
     const double product_m2 = 2.0 * time_m * space_m;
-    return product_m2 > 0
-               ? std::clamp((square(all_m) - square(time_m) - square(space_m)) / product_m2, 0.0,
-                            1.0)
-               : 0.0;
+    const double together_m = together_margin / margin * all_m;
+    if (!(product_m2 > 0))
+        return 0;
+    return std::clamp((square(together_m) - square(time_m) - square(space_m)) / product_m2, 0.0,
+                      1.0);
 }
 
 SineError::Time SineError::time(TimeUs interval_us, TimeUs glide_us) const {

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "sea/surface/budget/error_budget.h"
-#include "sea/surface/maps/sine_maps.h"
 #include "sea/surface/surface.h"
 #include "tests/support/explicit_sea.h"
 
@@ -24,10 +23,8 @@ Surface around(const RealizationPtr& sea, const ErrorBudget& budget, TimeUs midd
     std::vector<SplinePair> pairs;
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
         const auto map = [&](TimeUs time_us) {
-            Keyframe keyframe = *tests::exact_keyframe(sea, static_cast<int>(c), time_us);
-            for (const SineField& field : sea->cascades[c].sines)
-                add_sines(field, time_us, keyframe);
-            return std::make_shared<const SplineMap>(keyframe);
+            return std::make_shared<const SplineMap>(
+                *tests::exact_keyframe(sea, static_cast<int>(c), time_us));
         };
         const TimeUs half_us = budget.cascades[c].interval_us / 2;
         pairs.push_back({map(middle_us - half_us), map(middle_us + half_us)});
@@ -53,7 +50,7 @@ RealizationPtr meeting(int cascades, double at_m, TimeUs at_us) {
             }
         all.push_back(std::move(modes));
     }
-    return tests::make_sea(std::move(all));
+    return tests::make_sea(std::move(all), {0, 0});
 }
 
 // Naive: cascades have nothing to do with each other, and are added in the square: of eight tiles the bound is passed 2.6 times.
@@ -93,7 +90,7 @@ RealizationPtr alike(int cascades, int systems, SineKind kind) {
     for (CascadeModes& modes : all)
         for (int s = 0; s < systems; ++s)
             modes.sines.push_back(sine(1.0 / (cascades * systems), kind));
-    return tests::make_sea(std::move(all));
+    return tests::make_sea(std::move(all), {0, 0});
 }
 
 // Naive: what is missed in time, along each axis, of each system and of each cascade is added in the square: 1.1 times the bound of
