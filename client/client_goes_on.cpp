@@ -27,8 +27,11 @@ TimeUs sure_until_us(const sea::Paces& paces, TimeUs elapsed_us, TimeUs unsure_u
         std::clamp(elapsed_us, -sea::time_us_max, sea::time_us_max) - unsure_us;
     if (paces.empty() || moment_us >= paces.all().front().from_us)
         return paces.sea_time(moment_us);
-    // Before the first pace that is known others may have held: it was no later than the fastest would have it.
+    // Before the first pace that is known others may have held: it was no later than the fastest would have it. None had where it
+    // begins at the time that clocks count.
     const sea::Pace& first = paces.all().front();
+    if (first.sea_us == first.from_us)
+        return moment_us;
     const double before_us = static_cast<double>(sea::pace_permille_max) / sea::pace_unit *
                              static_cast<double>(first.from_us - moment_us);
     return std::llround(std::max(static_cast<double>(first.sea_us) - before_us,

@@ -118,6 +118,19 @@ TEST_F(LiveSeas, where_the_keyframes_of_a_sea_are_late_the_one_before_goes_on) {
     EXPECT_TRUE(std::isfinite(seen->at(0).displacement_m[0]));
 }
 
+// Naive: before the first pace that it knows others may have held, and of the seconds before a pace a newcomer knows no sea.
+TEST_F(LiveSeas, a_first_pace_to_come_makes_nobody_unsure_of_what_runs_before_it) {
+    const sea::TimeUs from_us = sea.sea_time_us() + 60'000'000;
+    sea.told_pace = sea::Pace{from_us, from_us, 500};
+    const auto client = connect();
+    ASSERT_TRUE(client);
+    EXPECT_TRUE(client->knows_sea_of(client->now_us() - 1000));
+    sea.told_pace->sea_us -= 1; // there were others
+    const auto late = connect();
+    ASSERT_TRUE(late);
+    EXPECT_FALSE(late->knows_sea_of(late->now_us() - 1000));
+}
+
 // Naive: in order of their starts, one that was to come later takes over from the one that took over from it.
 TEST_F(LiveSeas, a_later_one_takes_over_from_those_that_were_to_begin_after_it) {
     const auto client = connect();
