@@ -48,6 +48,39 @@ class SlowTiles : public tests::WaveSea {
     std::vector<std::pair<server::FetchRequest, Fetched>> waiting_;
 };
 
+/// Waves come when the test lets them.
+class SlowWaves : public tests::WaveSea {
+  public:
+    std::atomic<bool> held_back = false;
+    std::atomic<int> asked = 0;
+
+    Result<server::GrantedSpectrum> spectrum(const server::SpectrumRequest& request) override {
+        ++asked;
+        while (held_back)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        return WaveSea::spectrum(request);
+    }
+};
+
+// Naive: it is told as a refusal, and whoever comes back next waits as after a failure.
+TEST(Unsubscribing, while_a_client_that_came_back_subscribes_again_is_no_failure) {
+    SlowWaves sea;
+    const auto net = tests::serve(sea);
+    FaultProxy line(net->port());
+    const auto client = Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port())});
+    ASSERT_TRUE(client) << client.error().message;
+    ASSERT_TRUE((*client)->subscribe_spectrum({}, 30));
+    sea.held_back = true;
+    sea.asked = 0;
+    line.cut();
+    EXPECT_TRUE(eventually([&] { return sea.asked == 1; })) << "it asks again";
+    (*client)->unsubscribe_spectrum();
+    EXPECT_TRUE(eventually([&] { return (*client)->status().state == LinkState::connected; }));
+    EXPECT_EQ((*client)->status().reason.find("unsubscribed"), std::string::npos)
+        << (*client)->status().reason;
+    sea.held_back = false;
+}
+
 // It waits for its turn behind a fetch, and is said to the server after the end that was meant for it.
 TEST(Unsubscribing, ends_what_has_not_been_asked_for_yet) {
     SlowTiles sea;
