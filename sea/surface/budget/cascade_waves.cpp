@@ -20,11 +20,11 @@ double slow_share_m2(double own_m2, double slow_m2) {
 
 } // namespace
 
-int given_parts(const CascadeModes& modes) {
-    bool given = false;
+bool has_given(const CascadeModes& modes) {
+    bool given = !modes.sines.empty();
     for (std::size_t i = 0; i < modes.h0.size() && !given; ++i)
         given = modes.is_given(i) && modes.h0[i] != std::complex<double>{};
-    return (given ? 1 : 0) + (modes.sines.empty() ? 0 : 1);
+    return given;
 }
 
 /// One mode.
@@ -57,9 +57,9 @@ struct CascadeWaves::Missed {
     }
 };
 
-CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us, int parts)
-    : glide_us_(glide_us), parts_(std::max(parts, 1)),
-      loss_sigmas_(bound_sigmas / std::sqrt(2.0 * parts_)), size_(modes.spec.size),
+CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us, int given_cascades)
+    : glide_us_(glide_us), given_cascades_(std::max(given_cascades, 1)),
+      loss_sigmas_(bound_sigmas / std::sqrt(2.0 * given_cascades_)), size_(modes.spec.size),
       compact_size_(size_), spacing_m_(modes.spec.spacing_m()), length_m_(modes.spec.length_m),
       depth_m_(modes.depth_m),
       rings_(static_cast<std::size_t>(size_)) { // the corners are at 0.71 of it
@@ -103,9 +103,11 @@ CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us, int parts
     Motion* const motions[] = {&height_, &displacement_, &strain_};
     for (int i = 0; i < 3; ++i)
         missed[i].count(*motions[i], loss_sigmas_);
-    const SinesMissed sines = sines_missed(0);
-    height_.east_m2 += sines.east_m * (sines.east_m + sines.north_m);
-    height_.north_m2 += sines.north_m * (sines.east_m + sines.north_m);
+    given_east_m_ = missed[0].east.given_m;
+    given_north_m_ = missed[0].north.given_m;
+    const Shares with = with_sines(0);
+    height_.east_m2 += with.east_m2;
+    height_.north_m2 += with.north_m2;
     for (Motion* motion : {&height_, &displacement_})
         motion->single_m =
             single_precision_share * 4.0 * std::sqrt(motion->whole.variance_m2(bound_sigmas));
@@ -168,7 +170,7 @@ CutWaves CascadeWaves::cut(int size) const {
         missed.strain.add(rings_[n].strain, 1.0);
     }
     const auto rms = [this](const WaveSum& sum, double sigmas) {
-        return std::sqrt(sum.variance_m2(sigmas / std::sqrt(parts_)));
+        return std::sqrt(sum.variance_m2(sigmas / std::sqrt(given_cascades_)));
     };
     return {rms(missed.height, bound_sigmas), rms(missed.displacement, bound_sigmas),
             rms(missed.slope, bound_sigmas), rms(missed.strain, fold_sigmas)};
@@ -205,11 +207,36 @@ Motion::Missed CascadeWaves::in_common(const Motion& motion, TimeUs interval_us)
 }
 
 double CascadeWaves::as_rms(double bound_m) const {
-    return std::sqrt(parts_) * bound_m / bound_sigmas;
+    return std::sqrt(given_cascades_) * bound_m / bound_sigmas;
 }
 
-CascadeWaves::SinesMissed CascadeWaves::sines_missed(TimeUs interval_us) const {
-    SinesMissed all;
+CascadeWaves::AtMost CascadeWaves::modes_missed(TimeUs interval_us) const {
+    double time_m = 0;
+    for (int bin = 0; bin < Motion::bins && interval_us > 0; ++bin)
+        time_m += height_.by_frequency[static_cast<std::size_t>(bin)].given_m *
+                  missed_in_time(bin, interval_us);
+    return {as_rms(time_m), as_rms(given_east_m_), as_rms(given_north_m_)};
+}
+
+CascadeWaves::Shares CascadeWaves::with_sines(TimeUs interval_us) const {
+    if (sines_.empty())
+        return {};
+    const AtMost sines = sines_missed(interval_us), modes = modes_missed(interval_us);
+    const auto both = [&](double AtMost::*a, double AtMost::*b) {
+        return modes.*a * sines.*b + modes.*b * sines.*a;
+    };
+    const double axes_m2 = sines.east_m * sines.north_m + both(&AtMost::east_m, &AtMost::north_m);
+    const auto own_m2 = [&](double AtMost::*part) {
+        return square(sines.*part) + both(part, part);
+    };
+    return {own_m2(&AtMost::time_m), own_m2(&AtMost::east_m) + axes_m2,
+            own_m2(&AtMost::north_m) + axes_m2,
+            sines.agrees * sines.time_m * sines.east_m + both(&AtMost::time_m, &AtMost::east_m),
+            sines.agrees * sines.time_m * sines.north_m + both(&AtMost::time_m, &AtMost::north_m)};
+}
+
+CascadeWaves::AtMost CascadeWaves::sines_missed(TimeUs interval_us) const {
+    AtMost all;
     double largest_m = 0;
     for (const SineError& sine : sines_) {
         const SineError::Time time =
@@ -240,12 +267,12 @@ CascadeLoss CascadeWaves::loss(TimeUs interval_us) const {
         return loss;
     };
     CascadeLoss loss{of(height_), of(displacement_)};
-    const SinesMissed sines = sines_missed(interval_us);
-    const double east_m2 = sines.time_east_m2(), north_m2 = sines.time_north_m2();
+    const Shares with = with_sines(interval_us);
     MapLoss& height = loss.height;
-    height.time_m = std::sqrt(square(height.time_m) + square(sines.time_m) + east_m2 + north_m2);
-    height.east_m = std::sqrt(square(height.east_m) + east_m2);
-    height.north_m = std::sqrt(square(height.north_m) + north_m2);
+    height.time_m =
+        std::sqrt(square(height.time_m) + with.time_m2 + with.time_east_m2 + with.time_north_m2);
+    height.east_m = std::sqrt(square(height.east_m) + with.time_east_m2);
+    height.north_m = std::sqrt(square(height.north_m) + with.time_north_m2);
     return loss;
 }
 
@@ -256,10 +283,10 @@ double CascadeWaves::slow_rms(const Motion& motion, TimeUs interval_us, TimeUs s
 }
 
 CascadeWaves::SlowLoss CascadeWaves::slow_loss(TimeUs interval_us, TimeUs slow_us) const {
-    const SinesMissed own = sines_missed(interval_us), slow = sines_missed(slow_us);
-    return {std::sqrt(square(slow_rms(height_, interval_us, slow_us)) + square(slow.time_m) +
-                      slow_share_m2(own.time_east_m2(), slow.time_east_m2()) +
-                      slow_share_m2(own.time_north_m2(), slow.time_north_m2())),
+    const Shares own = with_sines(interval_us), slow = with_sines(slow_us);
+    return {std::sqrt(square(slow_rms(height_, interval_us, slow_us)) + slow.time_m2 +
+                      slow_share_m2(own.time_east_m2, slow.time_east_m2) +
+                      slow_share_m2(own.time_north_m2, slow.time_north_m2)),
             slow_rms(displacement_, interval_us, slow_us)};
 }
 

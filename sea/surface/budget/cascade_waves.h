@@ -65,20 +65,19 @@ struct CutWaves {
     double strain = 0;
 };
 
-/// Parts of a cascade whose phases are given: modes, and stylised waves. What is missed of n parts of a sea may agree as that of waves
-/// of one part may, and cascades are added in the square: (a + b + ...)^2 <= n (a^2 + b^2 + ...).
-int given_parts(const CascadeModes& modes);
+/// Has it waves whose phases are given, modes or stylised ones? What is missed of n such cascades may agree as that of the waves of one
+/// may, and cascades are added in the square: (a + b + ...)^2 <= n (a^2 + b^2 + ...).
+bool has_given(const CascadeModes& modes);
 
 class CascadeWaves {
   public:
-    /// Of a steady sea, or of one that glides in so long a time, whose waves are no higher than these. `parts`: given_parts() of
-    /// the whole sea.
-    CascadeWaves(const CascadeModes& modes, TimeUs glide_us, int parts);
-    explicit CascadeWaves(const CascadeModes& modes, TimeUs glide_us = 0)
-        : CascadeWaves(modes, glide_us, given_parts(modes)) {}
+    /// Of a steady sea, or of one that glides in so long a time, whose waves are no higher than these. `given_cascades`: so many of the
+    /// sea has_given().
+    explicit CascadeWaves(const CascadeModes& modes, TimeUs glide_us = 0, int given_cascades = 1);
 
     /// Losses of this interval; nothing is coded. A spline and Hermite's cubic both make a wave smaller, so that what they miss of one
-    /// wave adds up: of (t + x)^2 the halves of 2 t x stand with what each misses alone. So does what is missed of all stylised waves.
+    /// wave adds up: of (t + x)^2 the halves of 2 t x stand with what each misses alone. So does what is missed of all waves that are
+    /// given, stylised ones among them.
     CascadeLoss loss(TimeUs interval_us) const;
     /// The same where maps come so much further apart than their sea says: with the losses in space of loss(interval_us).
     struct SlowLoss {
@@ -130,18 +129,25 @@ class CascadeWaves {
     Motion::Missed in_common(const Motion& motion, TimeUs interval_us) const;
     double missed_in_time(int bin, TimeUs interval_us) const;
     double slow_rms(const Motion& motion, TimeUs interval_us, TimeUs slow_us) const;
-    /// Of all stylised waves together, as a standard deviation.
-    struct SinesMissed {
+    /// Of heights that are given, at most, as standard deviations.
+    struct AtMost {
         double time_m = 0, east_m = 0, north_m = 0;
-        double agrees = 0; ///< what is missed in time and in space, 0 to 1 (SineError::Time)
-        double time_east_m2() const { return agrees * time_m * east_m; }
-        double time_north_m2() const { return agrees * time_m * north_m; }
+        double agrees = 1; ///< what is missed in time and in space, 0 to 1 (SineError::Time)
     };
-    SinesMissed sines_missed(TimeUs interval_us) const;
+    /// What stands with each part of a sum's square.
+    struct Shares {
+        double time_m2 = 0, east_m2 = 0, north_m2 = 0; ///< its own
+        double time_east_m2 = 0, time_north_m2 = 0;    ///< with time and with space alike
+    };
+    AtMost sines_missed(TimeUs interval_us) const;
+    AtMost modes_missed(TimeUs interval_us) const;
+    /// Of all stylised waves, and of those that are modes beside them, which count alone already.
+    Shares with_sines(TimeUs interval_us) const;
     double as_rms(double bound_m) const; ///< of what is given
 
     TimeUs glide_us_;
-    double parts_;
+    double given_cascades_;
+    double given_east_m_ = 0, given_north_m_ = 0; ///< missed of modes that are given, at most
     /// Waves that agree are missed between keyframes and between grid points at once: there the two add up to
     /// sqrt(2) times the root of their squares.
     double loss_sigmas_;

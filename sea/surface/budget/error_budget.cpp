@@ -122,11 +122,9 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
 std::vector<CascadeWaves> waves_of(const Realization& sea, TimeUs glide_us = 0) {
     std::vector<CascadeWaves> all;
     all.reserve(sea.cascades.size());
-    int parts = 0;
+    const auto given = static_cast<int>(std::ranges::count_if(sea.cascades, has_given));
     for (const CascadeModes& modes : sea.cascades)
-        parts += given_parts(modes);
-    for (const CascadeModes& modes : sea.cascades)
-        all.emplace_back(modes, glide_us, parts);
+        all.emplace_back(modes, glide_us, given);
     return all;
 }
 
