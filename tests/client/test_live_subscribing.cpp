@@ -49,7 +49,7 @@ class SlowTiles : public tests::WaveSea {
 };
 
 /// Waves come when the test lets them.
-class SlowWaves : public tests::WaveSea {
+class WavesHeldBack : public tests::WaveSea {
   public:
     std::atomic<bool> held_back = false;
     std::atomic<int> asked = 0;
@@ -64,7 +64,7 @@ class SlowWaves : public tests::WaveSea {
 
 // Naive: it is told as a refusal, and whoever comes back next waits as after a failure.
 TEST(Unsubscribing, while_a_client_that_came_back_subscribes_again_is_no_failure) {
-    SlowWaves sea;
+    WavesHeldBack sea;
     const auto net = tests::serve(sea);
     FaultProxy line(net->port());
     const auto client = Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port())});
