@@ -131,8 +131,7 @@ TEST_F(Director, changes_that_another_takes_over_from_are_promised_no_more) {
         return asked(at);
     };
     for (const bool by_another : {false, true}) {
-        // Of which five and a half are left for what follows, on a busy machine.
-        const TimeUs later_us = clock.now_us() + 9'000'000;
+        const TimeUs later_us = clock.now_us() + 6'000'000;
         std::size_t promised = 0;
         for (TimeUs last_us = later_us;; ++promised) {
             ASSERT_LT(last_us, clock.now_us() + World::announced_ahead_us) << "all are told";
