@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <condition_variable>
 #include <future>
+#include <utility>
 
 #include "client/link/failure.h"
 #include "client/link/patience.h"
@@ -197,36 +198,36 @@ void Client::note_offer(sea::FieldSet asked, sea::FieldSet granted) {
 template <class Kind>
 auto Client::subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription) {
     const Patience patience(subscription.timeout_s);
+    typename Kept<Kind>::Serial serial = 0;
+    std::optional<decltype(granted(subscription, std::declval<Result<Reply>>()))> had;
     for (;;) {
         Waiter waiter;
         Kind now = subscription;
         now.timeout_s = patience.left_s();
         ConnectionPtr connection;
-        typename Kept<Kind>::Serial serial = 0;
         {
             const std::scoped_lock asking(asking_);
             std::unique_lock lock(mutex_);
+            if (had && kept.is_past(serial)) // who came later has his way
+                return *std::move(had);
             connection = connection_;
             // Kept from here on: the connection may end, and come back, behind the grant.
             serial = kept.ask(subscription);
             lock.unlock();
             ask_for(*connection, now, waiter);
         }
-        auto had = granted(subscription, reply_of(waiter));
+        had = granted(subscription, reply_of(waiter));
         {
             const std::scoped_lock lock(asking_, mutex_);
-            if (had)
+            if (*had)
                 kept.granted(serial, subscription);
             else
-                kept.failed(serial, subscription, had.error());
+                kept.failed(serial, subscription, had->error());
         }
-        const auto again = had ? std::nullopt : patience.again(had.error());
+        const auto again = *had ? std::nullopt : patience.again(had->error());
         if (!again)
-            return had;
+            return *std::move(had);
         rest_until(*again, connection);
-        const std::scoped_lock lock(mutex_);
-        if (kept.is_past(serial)) // who came later has his way
-            return had;
     }
 }
 

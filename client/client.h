@@ -168,7 +168,8 @@ class Client {
     Result<LocalSurface> surface(sea::TimeUs time_us) const;
 
     /// Fetches the keyframes around these times that are not held, with the fields that sampling needs and those of `also` that
-    /// the server offers. Blocks; `timeout_s` is for each request, and within it a server that is busy is asked again. What came to the ring first makes room, never what these times need; more times than the ring
+    /// the server offers. Blocks; `timeout_s` is for each request, and within it a server that is busy is asked again. What came to
+    /// the ring first makes room, never what these times need; more times than the ring
     /// has room for are an error.
     Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s,
                       sea::FieldSet also = {});

@@ -272,10 +272,9 @@ typedef struct seaway_subscription {
     /* Wanted bound on height on level water, up to 1e6; 0: the server chooses. On slopes answers state more, as displacements
      * are off, too. */
     double error_m;
-    uint32_t credit; /* keyframes under way, 1 .. 8; 0: 2 */
-    uint32_t rung;   /* SEAWAY_TILES or SEAWAY_SPECTRUM; one does not end the other */
-    double
-        timeout_s; /* up to 86400; 0: 10; a server that is busy is asked again as in seaway_query */
+    uint32_t credit;  /* keyframes under way, 1 .. 8; 0: 2 */
+    uint32_t rung;    /* SEAWAY_TILES or SEAWAY_SPECTRUM; one does not end the other */
+    double timeout_s; /* up to 86400; 0: 10. A busy server is asked again, as in seaway_query */
     /* Of tiles, for thin lines; what is left out counts in error_m of every answer. 0: no limit. */
     double
         rate_hz_max; /* keyframes of each cascade a second of sea time, 1 to 1000: at pace 10 ten times as many */

@@ -18,6 +18,7 @@
 #include "client/staleness.h"
 #include "sea/basics/glide.h"
 #include "tests/client/announced_scene.h"
+#include "tests/client/slow_waves.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/fault_proxy.h"
 
@@ -259,23 +260,9 @@ TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
     EXPECT_LT(line->bytes_carried(FaultProxy::Way::to_client) - before, 2000u);
 }
 
-/// Waves come when the test lets them; until then nothing else does.
-class SlowWaves : public tests::WaveSea {
-  public:
-    std::atomic<bool> held_back = false;
-    std::atomic<int> asked = 0;
-
-    Result<server::GrantedSpectrum> spectrum(const server::SpectrumRequest& request) override {
-        ++asked;
-        while (held_back)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        return WaveSea::spectrum(request);
-    }
-};
-
 /// Both rungs are subscribed to again, waves first, which are held back.
 struct OnTheWayBack {
-    SlowWaves sea;
+    tests::SlowWaves sea;
     std::unique_ptr<server::NetServer> net = tests::serve(sea);
     FaultProxy line{net->port()};
     std::unique_ptr<Client> client;

@@ -11,6 +11,7 @@
 #include "client/link/failure.h"
 #include "client/seaway.hpp"
 #include "client/seaway_engine.h"
+#include "tests/client/slow_waves.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/fault_proxy.h"
 
@@ -48,23 +49,9 @@ class SlowTiles : public tests::WaveSea {
     std::vector<std::pair<server::FetchRequest, Fetched>> waiting_;
 };
 
-/// Waves come when the test lets them.
-class WavesHeldBack : public tests::WaveSea {
-  public:
-    std::atomic<bool> held_back = false;
-    std::atomic<int> asked = 0;
-
-    Result<server::GrantedSpectrum> spectrum(const server::SpectrumRequest& request) override {
-        ++asked;
-        while (held_back)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        return WaveSea::spectrum(request);
-    }
-};
-
 // Naive: it is told as a refusal, and whoever comes back next waits as after a failure.
 TEST(Unsubscribing, while_a_client_that_came_back_subscribes_again_is_no_failure) {
-    WavesHeldBack sea;
+    tests::SlowWaves sea;
     const auto net = tests::serve(sea);
     FaultProxy line(net->port());
     const auto client = Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port())});
