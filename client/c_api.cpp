@@ -16,11 +16,6 @@ namespace {
 
 constexpr double look_back_max_s = 60;
 
-/// 0, or within a range.
-bool limit_fits(double limit, double least, double most) {
-    return limit == 0 || (limit >= least && limit <= most); // false for NaN
-}
-
 std::string text(const char* given, std::string otherwise) {
     return given ? std::string(given) : std::move(otherwise);
 }
@@ -74,24 +69,25 @@ seaway_code seaway_connect(const char* url, const seaway_connect_options* option
         RingLimits limits;
         connect.url = url;
         if (options) {
-            if (!timeout_fits(options->timeout_s))
-                return bad("seaway_connect: timeout_s must be 0 to 86400");
+            SEAWAY_TRY(
+                in_range("seaway_connect_options.timeout_s", options->timeout_s, 0, timeout_max_s));
             connect.name = text(options->name, connect.name);
             connect.token = text(options->token, "");
-            for (const std::string* said : {&connect.name, &connect.token})
+            for (const auto& [what, said] :
+                 {std::pair("seaway_connect_options.name", &connect.name),
+                  std::pair("seaway_connect_options.token", &connect.token)})
                 if (said->size() > protocol::limits::hello_text_bytes_max)
-                    return bad(fmt::format("seaway_connect: name and token have {} bytes at most",
+                    return bad(fmt::format("{} has {} bytes: it may have {}", what, said->size(),
                                            protocol::limits::hello_text_bytes_max));
             connect.ca_file = text(options->ca_file, "");
             if (options->timeout_s > 0)
                 connect.timeout_s = options->timeout_s;
-            if (options->stays_lost > 1 || options->threadless > 1)
-                return bad("seaway_connect: stays_lost and threadless must be 0 or 1");
+            SEAWAY_TRY(in_range("seaway_connect_options.stays_lost", options->stays_lost, 0, 1));
+            SEAWAY_TRY(in_range("seaway_connect_options.threadless", options->threadless, 0, 1));
             connect.threadless = options->threadless == 1;
             connect.stays_lost = options->stays_lost == 1;
-            if (!(options->look_back_s >= 0 && options->look_back_s <= look_back_max_s))
-                return bad(
-                    fmt::format("seaway_connect: look_back_s must be 0 to {}", look_back_max_s));
+            SEAWAY_TRY(in_range("seaway_connect_options.look_back_s", options->look_back_s, 0,
+                                look_back_max_s));
             if (options->look_back_s > 0)
                 limits.look_back_us = sea::us_from_seconds(options->look_back_s);
         }
@@ -125,14 +121,10 @@ double seaway_retry_after_s(const seaway_client* client) {
 
 seaway_code seaway_get_status(const seaway_client* client, seaway_status* status) {
     return guarded([&]() -> Result<void> {
-        if (!client || !status)
-            return bad("seaway_get_status: client and status must not be null");
-        if (status->size < offsetof(seaway_status, attempts) || status->size > struct_bytes_max)
-            return bad("seaway_get_status: status->size must be sizeof(seaway_status)");
-        seaway_status now = as_c(client->client->status());
-        now.size = std::min(status->size, now.size);
-        std::memcpy(status, &now, now.size);
-        return {};
+        if (!client)
+            return bad("seaway_get_status: client must not be null");
+        constexpr std::size_t least = offsetof(seaway_status, attempts);
+        return give(as_c(client->client->status()), status, least, "seaway_status");
     });
 }
 
@@ -181,13 +173,10 @@ seaway_code seaway_query(seaway_client* client, const seaway_point* points, size
     return guarded([&]() -> Result<void> {
         if (!client || (count > 0 && (!points || !answers)))
             return bad("seaway_query: client, points and answers must not be null");
-        if (!timeout_fits(timeout_s))
-            return bad("seaway_query: timeout_s must be 0 to 86400");
-        const Result<std::vector<sea::Answer>> asked =
-            client->client->ask(as_points(points, count), {exact != 0, or_default(timeout_s)});
-        if (!asked)
-            return asked.error();
-        put(*asked, answers);
+        SEAWAY_TRY_LET(const double patience_s, patience("seaway_query: timeout_s", timeout_s));
+        SEAWAY_TRY_LET(const std::vector<sea::Answer> asked,
+                       client->client->ask(as_points(points, count), {exact != 0, patience_s}));
+        put(asked, answers);
         return {};
     });
 }
@@ -197,39 +186,29 @@ seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* s
         if (!client)
             return bad("seaway_subscribe: client must not be null");
         const seaway_subscription wanted = subscription ? *subscription : seaway_subscription{};
-        const std::uint32_t credit =
-            wanted.credit == 0 ? protocol::limits::credit_default : wanted.credit;
-        if (credit > protocol::limits::credit_max)
-            return bad(fmt::format("seaway_subscribe: credit must be 0 to {}",
-                                   protocol::limits::credit_max));
-        if (!(wanted.error_m >= 0 && wanted.error_m <= protocol::limits::error_m_max) ||
-            !timeout_fits(wanted.timeout_s))
-            return bad("seaway_subscribe: error_m must be 0 to 1e6, timeout_s 0 to 86400");
+        SEAWAY_TRY_LET(const std::uint32_t credit,
+                       credit_of("seaway_subscription.credit", wanted.credit));
+        SEAWAY_TRY(in_range("seaway_subscription.error_m", wanted.error_m, 0,
+                            protocol::limits::error_m_max));
+        SEAWAY_TRY_LET(const double patience_s,
+                       patience("seaway_subscription.timeout_s", wanted.timeout_s));
         if (wanted.reserved != 0)
             return bad(
                 fmt::format("seaway_subscription.reserved is {}: it must be 0", wanted.reserved));
         if (wanted.rung == SEAWAY_SPECTRUM) {
             const Result<protocol::SpectrumGrant> granted = client->client->subscribe_spectrum(
-                {.error_m = wish_of(wanted.error_m)}, or_default(wanted.timeout_s));
+                {.error_m = wish_of(wanted.error_m)}, patience_s);
             return granted ? Result<void>() : granted.error();
         }
-        if (!limit_fits(wanted.rate_hz_max, protocol::limits::rate_hz_min,
-                        protocol::limits::rate_hz_max) ||
-            !limit_fits(wanted.size_max, protocol::limits::size_min,
-                        protocol::limits::map_side_max))
-            return bad(fmt::format(
-                "seaway_subscribe: rate_hz_max must be 0 or {} to {}, size_max 0 or {} to {}",
-                protocol::limits::rate_hz_min, protocol::limits::rate_hz_max,
-                protocol::limits::size_min, protocol::limits::map_side_max));
+        SEAWAY_TRY_LET(protocol::TileWish wish, tile_limits("seaway_subscription", wanted.error_m,
+                                                            wanted.rate_hz_max, wanted.size_max));
         if (wanted.rung != SEAWAY_TILES)
-            return bad("seaway_subscribe: rung must be SEAWAY_TILES or SEAWAY_SPECTRUM");
-        protocol::TileWish wish;
+            return bad(fmt::format(
+                "seaway_subscription.rung is {}: it must be SEAWAY_TILES or SEAWAY_SPECTRUM",
+                wanted.rung));
         wish.fields = sea::surface_fields;
-        wish.error_m = wish_of(wanted.error_m);
-        wish.rate_hz_max = static_cast<float>(wanted.rate_hz_max);
-        wish.size_max = static_cast<int>(wanted.size_max);
         const Result<Grant> granted =
-            client->client->subscribe(wish, static_cast<int>(credit), or_default(wanted.timeout_s));
+            client->client->subscribe(wish, static_cast<int>(credit), patience_s);
         return granted ? Result<void>() : granted.error();
     });
 }
@@ -249,9 +228,8 @@ seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t c
     return guarded([&]() -> Result<void> {
         if (!client || (count > 0 && !times_us))
             return bad("seaway_hold: client and times_us must not be null");
-        if (!timeout_fits(timeout_s))
-            return bad("seaway_hold: timeout_s must be 0 to 86400");
-        return client->client->hold({times_us, count}, or_default(timeout_s));
+        SEAWAY_TRY_LET(const double patience_s, patience("seaway_hold: timeout_s", timeout_s));
+        return client->client->hold({times_us, count}, patience_s);
     });
 }
 

@@ -17,12 +17,14 @@
 #include <new>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "client/client.h"
 #include "client/link/failure.h"
 #include "client/questions.h"
+#include "protocol/limits.h"
 
 struct seaway_client {
     std::shared_ptr<seaway::client::Questions> questions =
@@ -41,7 +43,7 @@ static_assert(sizeof(seaway_point) == sizeof(seaway::sea::QueryPoint) &&
 
 namespace seaway::client::c {
 
-inline constexpr double timeout_default_s = 10;
+inline constexpr double timeout_default_s = 10, timeout_max_s = 86400;
 
 /// A wish that is as small as that is none of 0, which leaves the choice to the server.
 inline float wish_of(double value) {
@@ -93,12 +95,47 @@ inline Error bad(std::string why) {
     return failed(Failure::bad_argument, std::move(why));
 }
 
-inline double or_default(double timeout_s) {
+/// `what`: a number as its header calls it. NaN is in no range.
+inline Result<void> in_range(std::string_view what, double value, double least, double most) {
+    if (value >= least && value <= most)
+        return {};
+    return bad(fmt::format("{} is {}: it must be {} to {}", what, value, least, most));
+}
+
+/// 0 leaves the choice to the server.
+inline Result<void> unset_or_in_range(std::string_view what, double value, double least,
+                                      double most) {
+    if (value == 0 || (value >= least && value <= most))
+        return {};
+    return bad(fmt::format("{} is {}: it must be 0 or {} to {}", what, value, least, most));
+}
+
+/// What a stream may be asked for, by members of the struct `name`.
+inline Result<protocol::TileWish> tile_limits(std::string_view name, double error_m,
+                                              double rate_hz_max, std::uint32_t size_max) {
+    using namespace protocol;
+    const auto member = [name](std::string_view its) { return fmt::format("{}.{}", name, its); };
+    SEAWAY_TRY(in_range(member("error_m"), error_m, 0, double{limits::error_m_max}));
+    SEAWAY_TRY(unset_or_in_range(member("rate_hz_max"), rate_hz_max, double{limits::rate_hz_min},
+                                 double{limits::rate_hz_max}));
+    SEAWAY_TRY(
+        unset_or_in_range(member("size_max"), size_max, limits::size_min, limits::map_side_max));
+    TileWish wish;
+    wish.error_m = wish_of(error_m);
+    wish.rate_hz_max = static_cast<float>(rate_hz_max);
+    wish.size_max = static_cast<int>(size_max);
+    return wish;
+}
+
+/// How long a call waits, s.
+inline Result<double> patience(std::string_view what, double timeout_s) {
+    SEAWAY_TRY(in_range(what, timeout_s, 0, timeout_max_s));
     return timeout_s == 0 ? timeout_default_s : timeout_s;
 }
 
-inline bool timeout_fits(double timeout_s) {
-    return timeout_s >= 0 && timeout_s <= 86400; // false for NaN
+inline Result<std::uint32_t> credit_of(std::string_view what, std::uint32_t credit) {
+    SEAWAY_TRY(in_range(what, credit, 0, protocol::limits::credit_max));
+    return credit == 0 ? std::uint32_t{protocol::limits::credit_default} : credit;
 }
 
 inline std::span<const sea::QueryPoint> as_points(const seaway_point* points, size_t count) {
@@ -148,7 +185,7 @@ Result<void> has_room(const Struct* to, std::size_t least, const char* name) {
     if (!to)
         return bad(fmt::format("{} must not be null", name));
     if (to->size < least || to->size > struct_bytes_max)
-        return bad(fmt::format("{}: size must be sizeof({})", name, name));
+        return bad(fmt::format("{}.size is {}: it must be sizeof({})", name, to->size, name));
     return {};
 }
 

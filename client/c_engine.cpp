@@ -27,25 +27,12 @@ Result<protocol::TileWish> tile_wish(const seaway_wish& wanted, const SeaState& 
     if (const uint32_t beyond = wanted.cascades >> count)
         return bad(fmt::format("seaway_wish.cascades: there is no cascade {}; the sea has {}",
                                count + static_cast<std::size_t>(std::countr_zero(beyond)), count));
-    if (!(wanted.error_m >= 0 && wanted.error_m <= double{limits::error_m_max}))
-        return bad(fmt::format("seaway_wish.error_m is {}: it must be 0 to {}", wanted.error_m,
-                               limits::error_m_max));
-    if (!(wanted.rate_hz_max == 0 || (wanted.rate_hz_max >= double{limits::rate_hz_min} &&
-                                      wanted.rate_hz_max <= double{limits::rate_hz_max})))
-        return bad(fmt::format("seaway_wish.rate_hz_max is {}: it must be 0 or {} to {}",
-                               wanted.rate_hz_max, limits::rate_hz_min, limits::rate_hz_max));
-    if (wanted.size_max != 0 && (wanted.size_max < static_cast<uint32_t>(limits::size_min) ||
-                                 wanted.size_max > static_cast<uint32_t>(limits::map_side_max)))
-        return bad(fmt::format("seaway_wish.size_max is {}: it must be 0 or {} to {}",
-                               wanted.size_max, limits::size_min, limits::map_side_max));
-    protocol::TileWish wish;
+    SEAWAY_TRY_LET(protocol::TileWish wish,
+                   tile_limits("seaway_wish", wanted.error_m, wanted.rate_hz_max, wanted.size_max));
     wish.fields =
         wanted.fields == 0 ? sea::surface_fields : sea::FieldSet::from_bits(wanted.fields);
     if (wanted.cascades != 0)
         wish.cascades = wanted.cascades;
-    wish.error_m = wish_of(wanted.error_m);
-    wish.rate_hz_max = static_cast<float>(wanted.rate_hz_max);
-    wish.size_max = static_cast<int>(wanted.size_max);
     return wish;
 }
 
@@ -109,13 +96,9 @@ seaway_code seaway_subscribe_to(seaway_client* client, const seaway_wish* wish,
         if (!client)
             return bad("seaway_subscribe_to: client must not be null");
         SEAWAY_TRY_LET(const seaway_wish wanted, sized(wish, wish_least, "seaway_wish"));
-        const std::uint32_t credit = wanted.credit == 0 ? limits::credit_default : wanted.credit;
-        if (credit > limits::credit_max)
-            return bad(fmt::format("seaway_wish.credit is {}: it must be 0 to {}", wanted.credit,
-                                   limits::credit_max));
-        if (!timeout_fits(wanted.timeout_s))
-            return bad(fmt::format("seaway_wish.timeout_s is {}: it must be 0 to 86400",
-                                   wanted.timeout_s));
+        SEAWAY_TRY_LET(const std::uint32_t credit, credit_of("seaway_wish.credit", wanted.credit));
+        SEAWAY_TRY_LET(const double patience_s,
+                       patience("seaway_wish.timeout_s", wanted.timeout_s));
         if (wanted.reserved != 0)
             return bad(fmt::format("seaway_wish.reserved is {}: it must be 0", wanted.reserved));
         if (grant)
@@ -123,8 +106,8 @@ seaway_code seaway_subscribe_to(seaway_client* client, const seaway_wish* wish,
         Client& inner = *client->client;
         SEAWAY_TRY_LET(const protocol::TileWish tiles,
                        tile_wish(wanted, *inner.sea_state(inner.now_us())));
-        SEAWAY_TRY_LET(const Grant granted, inner.subscribe(tiles, static_cast<int>(credit),
-                                                            or_default(wanted.timeout_s)));
+        SEAWAY_TRY_LET(const Grant granted,
+                       inner.subscribe(tiles, static_cast<int>(credit), patience_s));
         return grant ? give_out(as_c(granted), grant, "seaway_grant") : Result<void>();
     });
 }
@@ -198,8 +181,7 @@ seaway_code seaway_ask(seaway_client* client, const seaway_point* points, size_t
     return guarded([&]() -> Result<void> {
         if (!client || !points || !question)
             return bad("seaway_ask: client, points and question must not be null");
-        if (!timeout_fits(timeout_s))
-            return bad("seaway_ask: timeout_s must be 0 to 86400");
+        SEAWAY_TRY_LET(const double patience_s, patience("seaway_ask: timeout_s", timeout_s));
         const Welcome welcome = client->client->welcome();
         const std::size_t most =
             exact ? welcome.exact_points_per_query_max : welcome.points_per_query_max;
@@ -213,7 +195,7 @@ seaway_code seaway_ask(seaway_client* client, const seaway_point* points, size_t
         // Nobody would know its number.
         Undo question_open([&] { client->questions->cancel(*opened); });
         SEAWAY_TRY(client->client->ask_async(
-            as_points(points, count), {exact != 0, or_default(timeout_s)},
+            as_points(points, count), {exact != 0, patience_s},
             [questions = client->questions, number = *opened](const Result<Reply>& reply) {
                 if (reply)
                     questions->answer(number, reply->answers);
@@ -259,8 +241,7 @@ seaway_code seaway_poll(seaway_client* client, double timeout_s, seaway_event* e
     return guarded([&]() -> Result<void> {
         if (!client)
             return bad("seaway_poll: client must not be null");
-        if (!timeout_fits(timeout_s))
-            return bad("seaway_poll: timeout_s must be 0 to 86400");
+        SEAWAY_TRY(in_range("seaway_poll: timeout_s", timeout_s, 0, timeout_max_s));
         SEAWAY_TRY(has_room(event, sizeof(seaway_event), "seaway_event"));
         double wait_s = timeout_s;
         if (client->client->threadless()) {

@@ -18,10 +18,8 @@ constexpr std::size_t looking_least = offsetof(seaway_looking, min_wavelength_m)
 
 Result<Looking> seaway::client::c::looking_of(const seaway_looking* looking) {
     SEAWAY_TRY_LET(const seaway_looking given, sized(looking, looking_least, "seaway_looking"));
-    if (!(given.min_wavelength_m >= 0 &&
-          given.min_wavelength_m <= protocol::limits::position_m_max))
-        return bad(fmt::format("seaway_looking.min_wavelength_m is {}: it must be 0 to {}",
-                               given.min_wavelength_m, protocol::limits::position_m_max));
+    SEAWAY_TRY(in_range("seaway_looking.min_wavelength_m", given.min_wavelength_m, 0,
+                        protocol::limits::position_m_max));
     Looking some{.min_wavelength_m = given.min_wavelength_m};
     if (given.cascades != 0)
         some.cascades = given.cascades;
@@ -104,13 +102,12 @@ seaway_code seaway_sample_below(const seaway_client* client, const seaway_lookin
 seaway_code seaway_query_below(seaway_client* client, const seaway_looking* looking,
                                const seaway_point* points, const double* z_m, size_t count,
                                double timeout_s, seaway_below* below, size_t stride) {
-    return below_of(
-        "seaway_query_below", client, looking, points, z_m, count, below, stride,
-        [&](auto asked, auto depths, const Looking& some) -> Result<Below> {
-            if (!timeout_fits(timeout_s))
-                return bad("seaway_query_below: timeout_s must be 0 to 86400");
-            return client->client->ask_below(asked, depths, {true, or_default(timeout_s), some});
-        });
+    return below_of("seaway_query_below", client, looking, points, z_m, count, below, stride,
+                    [&](auto asked, auto depths, const Looking& some) -> Result<Below> {
+                        SEAWAY_TRY_LET(const double patience_s,
+                                       patience("seaway_query_below: timeout_s", timeout_s));
+                        return client->client->ask_below(asked, depths, {true, patience_s, some});
+                    });
 }
 
 seaway_code seaway_query_some(seaway_client* client, const seaway_looking* looking,
@@ -119,12 +116,12 @@ seaway_code seaway_query_some(seaway_client* client, const seaway_looking* looki
     return guarded([&]() -> Result<void> {
         if (!client || (count > 0 && (!points || !answers)))
             return bad("seaway_query_some: client, points and answers must not be null");
-        if (!timeout_fits(timeout_s))
-            return bad("seaway_query_some: timeout_s must be 0 to 86400");
+        SEAWAY_TRY_LET(const double patience_s,
+                       patience("seaway_query_some: timeout_s", timeout_s));
         SEAWAY_TRY_LET(const Looking some, looking_of(looking));
-        SEAWAY_TRY_LET(const std::vector<sea::Answer> found,
-                       client->client->ask(as_points(points, count),
-                                           {exact != 0, or_default(timeout_s), some}));
+        SEAWAY_TRY_LET(
+            const std::vector<sea::Answer> found,
+            client->client->ask(as_points(points, count), {exact != 0, patience_s, some}));
         put(found, answers);
         return {};
     });

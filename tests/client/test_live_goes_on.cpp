@@ -234,7 +234,7 @@ TEST_F(LiveGoesOn, a_status_is_filled_in_as_far_as_the_program_knows_it) {
     for (const double back_s : {-0.1, 60.1, std::nan("")}) {
         options.look_back_s = back_s;
         EXPECT_EQ(seaway_connect(url.c_str(), &options, &client), SEAWAY_BAD_ARGUMENT) << back_s;
-        EXPECT_THAT(seaway_last_error(), testing::HasSubstr("look_back_s must be 0 to 60"));
+        EXPECT_THAT(seaway_last_error(), testing::HasSubstr("look_back_s is "));
     }
 }
 

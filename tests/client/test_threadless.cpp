@@ -345,9 +345,9 @@ TEST_F(Threadless, that_finds_no_server_says_why) {
     EXPECT_NE(refusal(seaway_connect(url.c_str(), &made, &client), SEAWAY_CANNOT_CONNECT).find(url),
               std::string::npos);
     made.threadless = 2;
-    EXPECT_NE(
-        refusal(seaway_connect(url.c_str(), &made, &client)).find("threadless must be 0 or 1"),
-        std::string::npos);
+    EXPECT_NE(refusal(seaway_connect(url.c_str(), &made, &client))
+                  .find("threadless is 2: it must be 0 to 1"),
+              std::string::npos);
     EXPECT_EQ(client, nullptr);
 }
 
