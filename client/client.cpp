@@ -66,6 +66,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
                              });
             if (sea_states_.size() > protocol::limits::sea_states_held)
                 forget_furthest_state();
+            changed_.notify_all(); // keep() may have a change to follow
         }
         if (events_.on_sea_state)
             events_.on_sea_state(state);
@@ -138,6 +139,7 @@ void Client::take_grant(const Grant& grant) {
 
 void Client::forget_waves(std::uint32_t epoch) {
     rebuilt_.erase(epoch);
+    followed_.erase(epoch);
     received_.erase(epoch);
     arriving_.erase(epoch);
     glides_.forget(epoch);
@@ -318,17 +320,6 @@ Result<std::vector<Answer>> Client::sample(std::span<const QueryPoint> points) c
     std::vector<Answer> answers(points.size());
     SEAWAY_TRY(sample_into(points, answers));
     return answers;
-}
-
-Result<void> Client::rebuild(TimeUs time_us) {
-    SEAWAY_TRY(check_time(time_us));
-    const SeaStatePtr state = sea_state(time_us);
-    SEAWAY_TRY_LET(const RebuiltSeaPtr made, rebuild_from_scene(*state));
-    const std::scoped_lock lock(mutex_);
-    for (const SeaStatePtr& held : sea_states_)
-        if (held == state) // not replaced meanwhile
-            rebuilt_[state->epoch] = made;
-    return {};
 }
 
 Client::SeaThen Client::sea_then(TimeUs time_us) const {

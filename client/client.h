@@ -6,11 +6,9 @@
 //     if (!client)
 //         return report(client.error());
 //     const sea::QueryPoint point{10, 20, (*client)->now_us()};
-//     // The server answers:
-//     Result<std::vector<sea::Answer>> asked = (*client)->ask({&point, 1}, Asking{});
-//     // The client does, once it has subscribed, as often as wanted:
+//     auto asked = (*client)->ask({&point, 1}, Asking{}); // the server answers
 //     (*client)->subscribe({.fields = sea::surface_fields}, 2, 10);
-//     Result<std::vector<sea::Answer>> sampled = (*client)->sample({&point, 1});
+//     auto sampled = (*client)->sample({&point, 1}); // the client does, as often as wanted
 //
 // A connection that is lost comes back by itself, with waits of link/reconnect.h, and what was subscribed to is subscribed
 // to again (ConnectOptions::stays_lost: it does not). Meanwhile what is held is sampled, on the same clock; answers about
@@ -29,6 +27,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -49,9 +48,7 @@
 #include "client/link/reconnect.h"
 #include "client/local_surface.h"
 #include "client/looks.h"
-#include "client/rebuilt/held_glides.h"
-#include "client/rebuilt/rebuilt_sea.h"
-#include "client/rebuilt/received_spectrum.h"
+#include "client/rebuilt/waves_of.h"
 #include "client/staleness.h"
 #include "client/status.h"
 #include "client/subscriptions.h"
@@ -136,8 +133,9 @@ class Client {
                              std::span<sea::Answer> answers, const Sampling& how = {}) const;
 
     /// Makes the sea that runs at this time from the scene that the server sent, and holds it against the
-    /// server's probes; from then on its points are answered from its waves. Blocks, never asks the server.
-    /// Errors: rebuild_from_scene().
+    /// server's probes; from then on its points are answered from its waves. Of a glide: both ends. Blocks, never asks the server.
+    /// Changes that come after are followed by the client, unless it is threadless or stays lost. Errors: rebuild_from_scene();
+    /// not_held: what a glide begins with is not known here (hold() a time before it).
     Result<void> rebuild(sea::TimeUs time_us);
 
     /// Whether the sea of this time is known without asking: not before the first that it was told of, and no further ahead than a
@@ -272,7 +270,8 @@ class Client {
     /// mutex_ held. Is nothing heard of the server, or of it that it is not sure of its sea?
     bool silent(LocalUs now_us) const;
     KnownSea known_held(const SeaState& state) const; ///< mutex_ held
-    KnownSea known_sea(sea::TimeUs time_us) const;    ///< read before answers are made
+    bool is_told_held(sea::TimeUs time_us) const;
+    KnownSea known_sea(sea::TimeUs time_us) const; ///< read before answers are made
     /// Flags what the server may know more about.
     void mark_stale(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
                     std::span<sea::ErrorTerms> terms = {},
@@ -318,22 +317,21 @@ class Client {
     /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
     /// All of one time, of that sea.
+    // client_rebuilds.cpp; rebuilding_ held by the first two
+    Result<void> rebuild(const SeaStatePtr& state, int depth);
+    Result<OwnSeaPtr> rebuild_before(const SeaStatePtr& glide, int depth);
+    SeaStatePtr
+    to_follow_held() const; ///< a glide that was not looked at yet, mutex_ held; or null
+    void follow(std::unique_lock<std::mutex>& lock, const SeaState& glide);
     Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
                          const SeaStatePtr& state, std::span<Water> water) const;
     /// Glides that begin before the one before them has ended.
     static constexpr int glides_chained_max = 16;
-    /// What a sea is made of, which takes some tens of milliseconds and is done without mutex_.
-    struct WavesOf {
-        SeaStatePtr state;
-        OwnSeaPtr made = nullptr; ///< it is there
-        std::shared_ptr<ReceivedSpectrum> received = nullptr;
-        std::unique_ptr<WavesOf> before = nullptr; ///< of a glide: where it begins
-        bool steady = false;                       ///< a glide whose end is meant
-    };
     /// mutex_ held; `depth` more glides may lead there.
     WavesOf waves_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
-    OwnSeaPtr own_sea(const WavesOf& of) const;
-    static GlideEnds ends_of(const WavesOf& glide); ///< empty: one of them has not come
+    WavesOf waves_before_held(const SeaStatePtr& glide, int depth = glides_chained_max) const;
+    WavesOf waves_of_epoch_held(const SeaStatePtr& state, std::uint32_t epoch) const;
+    OwnSeaPtr own_sea(const WavesOf& of) const; ///< without mutex_
     /// Would there be one? Nothing is made for that.
     bool holds_waves_held(const SeaStatePtr& state, int depth = glides_chained_max) const;
     bool has_waves_held(std::uint32_t epoch) const;
@@ -392,15 +390,17 @@ class Client {
     ClockFilter clock_; ///< of the time since the sea's epoch
     sea::Paces paces_;
     sea::TimeUs shown_us_ = std::numeric_limits<sea::TimeUs>::min();
-    std::vector<SeaStatePtr> sea_states_;            ///< by start time
-    std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_; ///< by epoch, of sea_states_
-    std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>>
-        received_; ///< likewise; of a glide: its end
+    std::vector<SeaStatePtr> sea_states_; ///< by start time
+    // Waves by epoch, of sea_states_; of a glide: of its end.
+    std::map<std::uint32_t, RebuiltSeaPtr> rebuilt_;
+    std::set<std::uint32_t> followed_; ///< glides that keep() has made, or could not
+    std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>> received_;
     /// Sent anew of epochs whose waves are held: they take over once they are as good.
     std::map<std::uint32_t, std::shared_ptr<ReceivedSpectrum>> arriving_;
     mutable HeldGlides glides_;
     mutable MapsOfSeas maps_of_waves_;
     mutable std::mutex making_glides_; ///< before mutex_
+    std::mutex rebuilding_;            ///< before making_glides_
     sea::FieldSet not_offered_;
     std::optional<Grant> grant_;
     std::vector<Wanted*> wanted_;

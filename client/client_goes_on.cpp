@@ -126,6 +126,10 @@ void Client::keep() {
     std::unique_lock lock(mutex_);
     while (!leaving_.stop_requested()) {
         try {
+            if (const SeaStatePtr glide = to_follow_held()) { // also while there is no line
+                follow(lock, *glide);
+                continue;
+            }
             if (joining_->end) {
                 come_back(lock, *joining_->end);
                 if (status_.state == LinkState::stopped)
@@ -378,6 +382,7 @@ void Client::forget_sea(const Joining& joining, const SeaStatePtr& next) {
     sea_states_.assign(1, next);
     clock_ = std::move(clock);
     rebuilt_.clear();
+    followed_.clear();
     received_.clear();
     arriving_.clear();
     glides_.clear();

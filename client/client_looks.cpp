@@ -38,7 +38,7 @@ SourceNow Client::source(TimeUs time_us) const {
         const SeaStatePtr state = sea_state(time_us);
         std::unique_lock lock(mutex_);
         if (holds_waves_held(state)) {
-            if (rebuilt_.contains(state->epoch))
+            if (waves_held(state).made)
                 return {AnswersFrom::parameters,
                         "the sea was made here from its scene and agrees with the server's probes"};
             return {AnswersFrom::spectrum, "the server sent the waves themselves"};

@@ -36,12 +36,16 @@ KnownSea Client::known_sea(TimeUs time_us) const {
     return known_held(*sea_state_held(time_us));
 }
 
+bool Client::is_told_held(TimeUs time_us) const {
+    const KnownSea known = known_held(*sea_state_held(time_us));
+    return missed_.contains(time_us) ? known.was_seen(time_us) : known.has(time_us);
+}
+
 bool Client::knows_sea_of(TimeUs time_us) const {
     const std::scoped_lock lock(mutex_);
-    const KnownSea known = known_held(*sea_state_held(time_us));
-    if (missed_.contains(time_us))
-        return known.was_seen(time_us);
-    return known.has(time_us) && time_us <= told_until_us(*sea_state_held(heard_us_), heard_us_);
+    return is_told_held(time_us) &&
+           (missed_.contains(time_us) ||
+            time_us <= told_until_us(*sea_state_held(heard_us_), heard_us_));
 }
 
 void Client::note_seen(std::span<const std::pair<TimeUs, SeaStatePtr>> seas) {

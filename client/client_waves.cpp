@@ -17,17 +17,18 @@ namespace seaway::client {
 using sea::TimeUs;
 
 std::uint32_t Client::epoch_of_waves_held(const SeaState& steady) const {
-    if (has_waves_held(steady.epoch))
-        return steady.epoch;
     // Its waves are those that the last glide before it led to. One that this took over from may have been meant to end then, too.
     std::uint32_t led_to = steady.epoch;
     for (const SeaStatePtr& other : sea_states_) // in the order in which they begin
         if (other->glide && other->glide->end_us == steady.start_time_us)
             led_to = other->epoch;
-    return led_to;
+    const bool led_to_made = !rebuilt_.contains(steady.epoch) && rebuilt_.contains(led_to);
+    return has_waves_held(steady.epoch) && !led_to_made ? steady.epoch : led_to;
 }
 
 bool Client::has_waves_held(std::uint32_t epoch) const {
+    if (rebuilt_.contains(epoch))
+        return true;
     const auto found = received_.find(epoch);
     return found != received_.end() && found->second->has_come();
 }
@@ -115,8 +116,6 @@ void Client::take_waves(ConnectionEvents& events) {
 }
 
 bool Client::holds_waves_held(const SeaStatePtr& state, int depth) const {
-    if (rebuilt_.contains(state->epoch))
-        return true;
     if (!state->glide)
         return has_waves_held(epoch_of_waves_held(*state));
     const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
@@ -126,29 +125,34 @@ bool Client::holds_waves_held(const SeaStatePtr& state, int depth) const {
                                                        : holds_waves_held(before, depth - 1);
 }
 
-Client::WavesOf Client::waves_held(const SeaStatePtr& state, int depth) const {
+WavesOf Client::waves_of_epoch_held(const SeaStatePtr& state, std::uint32_t epoch) const {
     WavesOf of{.state = state};
-    if (const auto found = rebuilt_.find(state->epoch); found != rebuilt_.end()) {
-        of.made = found->second;
-        return of;
-    }
-    const auto received = [&](std::uint32_t epoch) {
-        const auto found = received_.find(epoch);
-        return found == received_.end() ? nullptr : found->second;
-    };
-    if (!state->glide) {
-        of.received = received(epoch_of_waves_held(*state));
-        return of;
-    }
-    of.received = received(state->epoch);
-    const SeaStatePtr before = sea_state_held(state->start_time_us - 1);
-    if (!of.received || depth == 0 || before == state)
+    if (const auto made = rebuilt_.find(epoch); made != rebuilt_.end())
+        of.made = made->second;
+    else if (const auto come = received_.find(epoch); come != received_.end())
+        of.received = come->second;
+    return of;
+}
+
+WavesOf Client::waves_held(const SeaStatePtr& state, int depth) const {
+    if (!state->glide)
+        return waves_of_epoch_held(state, epoch_of_waves_held(*state));
+    WavesOf of = waves_of_epoch_held(state, state->epoch);
+    WavesOf before = of ? waves_before_held(state, depth) : WavesOf{};
+    if (!before)
         return {};
-    if (has_ended_by(*before, state->start_time_us)) // the sea that it led to
-        of.before = std::make_unique<WavesOf>(
-            WavesOf{.state = before, .received = received(before->epoch), .steady = true});
-    else
-        of.before = std::make_unique<WavesOf>(waves_held(before, depth - 1));
+    of.before = std::make_unique<WavesOf>(std::move(before));
+    return of;
+}
+
+WavesOf Client::waves_before_held(const SeaStatePtr& glide, int depth) const {
+    const SeaStatePtr before = sea_state_held(glide->start_time_us - 1);
+    if (depth == 0 || before == glide)
+        return {};
+    if (!has_ended_by(*before, glide->start_time_us))
+        return waves_held(before, depth - 1);
+    WavesOf of = waves_of_epoch_held(before, before->epoch); // the sea that it led to
+    of.steady = true;
     return of;
 }
 
@@ -162,11 +166,11 @@ OwnSeaPtr Client::own_sea(const SeaStatePtr& state) const {
 }
 
 OwnSeaPtr Client::own_sea(const WavesOf& of) const {
-    if (of.made || !of.received)
-        return of.made;
+    if (!of)
+        return nullptr;
     if (of.steady || !of.state->glide)
-        return of.received->sea();
-    const GlideEnds ends = ends_of(of);
+        return of.end();
+    const GlideEnds ends = of.ends();
     if (ends.empty())
         return nullptr;
     const auto held = [&] {
@@ -192,16 +196,6 @@ OwnSeaPtr Client::own_sea(const WavesOf& of) const {
         sea_states_.end()) // or sent again, or forgotten meanwhile
         glides_.keep(of.state->epoch, end_us, ends, *made);
     return *made;
-}
-
-GlideEnds Client::ends_of(const WavesOf& of) {
-    GlideEnds ends;
-    for (const WavesOf* one = &of; one != nullptr; one = one->before.get()) {
-        ends.push_back(one->made || !one->received ? one->made : one->received->sea());
-        if (!ends.back())
-            return {};
-    }
-    return ends;
 }
 
 void Client::answer_from_waves(const SeaThen& then, std::span<const sea::QueryPoint> points,

@@ -172,9 +172,11 @@ typedef struct seaway_source {
  * stated bounds, whichever it is. That of the sea of that time: a sample that goes on with the sea before is flagged. */
 seaway_code seaway_get_source(const seaway_client* client, int64_t time_us, seaway_source* source);
 
-/* Makes the sea of this time from its scene: nothing but the scene and the probes came over the line. Of that sea alone: after
- * a change call it again. SEAWAY_NOT_HELD: it cannot be made here, or is not the server's by the probes. Blocks for some tenths
- * of a second, asks nobody. */
+/* Makes the sea of this time from its scene: nothing but the scene and the probes came over the line. Of a sea that changes, where
+ * it leads, too, and what it begins with. Changes that come later are followed by themselves, on a thread of the library's, from their
+ * announcement on, ten seconds ahead; who is threadless or stays lost calls this again then (the epoch that seaway_sea_at says of ten seconds ahead).
+ * SEAWAY_NOT_HELD: it cannot be made here, is not the server's by the probes, or changes from what is not known here: seaway_hold a
+ * time before the change began, and call it again. Blocks for some tenths of a second, asks nobody. */
 seaway_code seaway_rebuild(seaway_client* client, int64_t time_us);
 
 /* ---- at points ----------------------------------------------------------------------------------- */

@@ -191,6 +191,8 @@ struct GlideValues {
     double foam_mean = 0;
     double foam_threshold = 0;
     std::optional<SeaNumbers> realised = {}; ///< none: a server that does not say
+    /// Of the sea that it leads to, from end_us on. Empty from a server that sends none.
+    std::vector<sea::Probe> leads_to = {};
 };
 
 /// SeaState as a value.

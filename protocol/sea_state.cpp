@@ -45,10 +45,10 @@ std::vector<wire::Probe> to_wire(const std::vector<sea::Probe>& probes) {
     return out;
 }
 
-std::vector<sea::Probe> probes_of(const wire::SeaState& state) {
+std::vector<sea::Probe> from_wire(const flatbuffers::Vector<const wire::Probe*>* probes) {
     std::vector<sea::Probe> out;
-    if (state.probes() != nullptr)
-        for (const wire::Probe* p : *state.probes())
+    if (probes != nullptr)
+        for (const wire::Probe* p : *probes)
             out.push_back({p->x_m(), p->y_m(), p->time_us(), p->height_m(), p->displacement_x_m(),
                            p->displacement_y_m()});
     return out;
@@ -62,7 +62,8 @@ std::optional<GlideValues> glide_of(const wire::SeaState& state) {
                        .choppiness_x = glide->choppiness_x(),
                        .choppiness_y = glide->choppiness_y(),
                        .foam_mean = glide->foam_mean(),
-                       .foam_threshold = glide->foam_threshold()};
+                       .foam_threshold = glide->foam_threshold(),
+                       .leads_to = from_wire(state.leads_to())};
     if (state.realised_before() != nullptr)
         values.realised = from_wire(state.realised_before());
     return values;
@@ -139,6 +140,8 @@ Bytes sea_state(const SeaStateValues& state) {
     for (const sea::CascadeLoss& loss : state.losses)
         losses.push_back(to_wire(loss));
     const auto probe_list = built.CreateVectorOfStructs(to_wire(state.probes));
+    const auto leads_to = built.CreateVectorOfStructs(
+        to_wire(state.glide ? state.glide->leads_to : std::vector<sea::Probe>{}));
     const auto loss_list = built.CreateVectorOfStructs(losses);
     const auto cascade_list = built.CreateVectorOfStructs(cascades);
     const auto scene = built.CreateString(state.scene);
@@ -174,7 +177,8 @@ Bytes sea_state(const SeaStateValues& state) {
         state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
         static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2), probe_list,
         state.probe_error_m, glide ? &*glide : nullptr, law ? &*law : nullptr,
-        before ? &*before : nullptr, state.curvature_per_m, stylised_bits(state.cascades));
+        before ? &*before : nullptr, state.curvature_per_m, stylised_bits(state.cascades),
+        leads_to);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};
@@ -205,7 +209,7 @@ SeaStateValues values(const wire::SeaState& state) {
                        .single_precision_displacement_m = state.single_precision_displacement_m(),
                        .depth_m = state.depth_m(),
                        .water = water_of(state),
-                       .probes = probes_of(state),
+                       .probes = from_wire(state.probes()),
                        .probe_error_m = state.probe_error_m(),
                        .glide = glide_of(state),
                        .wave_law = wave_law_of(state)};

@@ -54,20 +54,19 @@ Result<void> check_losses(const wire::SeaState& state) {
 }
 
 /// Where a client evaluates a sea must be where seas are, and what it is held against must be numbers.
-Result<void> check_probes(const wire::SeaState& state) {
-    SEAWAY_TRY(in_range("probe_error_m", state.probe_error_m(), 0.0, 1e6));
-    SEAWAY_TRY(
-        in_range<std::size_t>("count of probes", count(state.probes()), 0, limits::probes_max));
-    for (flatbuffers::uoffset_t i = 0; i < count(state.probes()); ++i) {
-        const wire::Probe& probe = *state.probes()->Get(i);
+Result<void> check_probes(const std::string& name,
+                          const flatbuffers::Vector<const wire::Probe*>* probes) {
+    SEAWAY_TRY(in_range<std::size_t>("count of " + name, count(probes), 0, limits::probes_max));
+    for (flatbuffers::uoffset_t i = 0; i < count(probes); ++i) {
+        const wire::Probe& probe = *probes->Get(i);
         constexpr double most = limits::position_m_max;
         SEAWAY_TRY(all_of(
-            in_range("probes.x_m", probe.x_m(), -most, most),
-            in_range("probes.y_m", probe.y_m(), -most, most),
-            in_range("probes.time_us", probe.time_us(), -limits::time_us_max, limits::time_us_max),
-            in_range("probes.height_m", probe.height_m(), -most, most),
-            in_range("probes.displacement_x_m", probe.displacement_x_m(), -most, most),
-            in_range("probes.displacement_y_m", probe.displacement_y_m(), -most, most)));
+            in_range(name + ".x_m", probe.x_m(), -most, most),
+            in_range(name + ".y_m", probe.y_m(), -most, most),
+            in_range(name + ".time_us", probe.time_us(), -limits::time_us_max, limits::time_us_max),
+            in_range(name + ".height_m", probe.height_m(), -most, most),
+            in_range(name + ".displacement_x_m", probe.displacement_x_m(), -most, most),
+            in_range(name + ".displacement_y_m", probe.displacement_y_m(), -most, most)));
     }
     return {};
 }
@@ -112,7 +111,9 @@ Result<void> check(const wire::SeaState& state) {
         in_range("bottom_red", state.bottom_red(), 0.0f, 1.0f),
         in_range("bottom_green", state.bottom_green(), 0.0f, 1.0f),
         in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state),
-        check_probes(state), check_warnings(state),
+        in_range("probe_error_m", state.probe_error_m(), 0.0, 1e6),
+        check_probes("probes", state.probes()), check_probes("leads_to", state.leads_to()),
+        check_warnings(state),
         state.wave_law() ? check_law("wave_law.", *state.wave_law()) : Result<void>());
     if (!fine || state.cascades() == nullptr)
         return fine;

@@ -190,11 +190,13 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
 protocol::SeaStateValues announcement(const RunningSea& sea, const EpochWindow& window,
                                       const std::vector<std::string>& warnings) {
     protocol::SeaStateValues state = sea_state_values(sea, window, warnings);
-    if (sea.glide) // nobody can make it of its scene alone
+    state.probe_error_m = sea::probe_error_m;
+    if (state.glide) { // by its scene nobody knows where it comes from
+        state.glide->leads_to = sea::make_probes(*sea.truth, state.glide->end_us);
         return state;
+    }
     const bool is_first = state.start_time_us == -sea::time_us_max;
     state.probes = sea::make_probes(*sea.truth, is_first ? 0 : state.start_time_us);
-    state.probe_error_m = sea::probe_error_m;
     return state;
 }
 

@@ -78,6 +78,17 @@ bool has_waves(const Client& client, sea::TimeUs time_us) {
     return from == AnswersFrom::parameters || from == AnswersFrom::spectrum;
 }
 
+/// The sea of a time from its scene; of a glide that had begun before this client came, what it began with is asked for.
+Result<void> rebuild(Client& client, const QueryOptions& options, sea::TimeUs time_us) {
+    const Result<void> made = client.rebuild(time_us);
+    const SeaStatePtr state = client.sea_state(time_us);
+    const sea::TimeUs before_us = state->start_time_us - 1;
+    if (made || !state->glide || client.knows_sea_of(before_us))
+        return made;
+    SEAWAY_TRY(client.hold({&before_us, 1}, options.timeout_s));
+    return client.rebuild(time_us);
+}
+
 /// Has the waves of all times here, as far as there are any to be had: seas of scenes are made. Why there are not of all of them.
 Result<std::optional<std::string>> why_no_waves(Client& client, const QueryOptions& options,
                                                 const Asked& asked) {
@@ -89,10 +100,10 @@ Result<std::optional<std::string>> why_no_waves(Client& client, const QueryOptio
     for (const sea::TimeUs time_us : times_us) {
         if (options.source == Source::scene &&
             client.source(time_us).source != AnswersFrom::parameters) {
-            const Result<void> made = client.rebuild(time_us);
+            const Result<void> made = rebuild(client, options, time_us);
             if (!made && failure_of(made.error()) != Failure::not_held)
                 return made.error();
-            if (!made && !has_waves(client, time_us)) // of a change in its midst there are none
+            if (!made && !has_waves(client, time_us))
                 why = made.error().message;
         } else if (!has_waves(client, time_us))
             why = "the server sends none of far seas";
@@ -135,8 +146,9 @@ Result<std::vector<sea::Answer>> look(Client& client, const QueryOptions& option
     return answers;
 }
 
+/// `told`: why tiles answered last in the place of waves.
 Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& options,
-                                            const Asked& asked) {
+                                            const Asked& asked, std::string& told) {
     const sea::Looking looking{.min_wavelength_m = options.min_wavelength_m};
     if (!options.local)
         return client.ask(asked.points, {options.exact, options.timeout_s, looking});
@@ -144,10 +156,11 @@ Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& 
     if (options.source != Source::tiles) {
         SEAWAY_TRY_LET(const std::optional<std::string> why, why_no_waves(client, options, asked));
         waves = !why;
-        if (why && options.watch_hz == 0)
+        if (why && *why != told) // a watch says it once
             complain("seaway-query", 0,
                      "of some of these times there are no waves: answered from tiles (" + *why +
                          ")");
+        told = why.value_or("");
     }
     if (looking != sea::Looking{})
         return look(client, options, looking, asked.points);
@@ -156,10 +169,12 @@ Result<std::vector<sea::Answer>> answers_to(Client& client, const QueryOptions& 
 }
 
 /// Answers, as they are written.
-Result<std::string> rows_of(Client& client, const QueryOptions& options, const Asked& asked) {
+Result<std::string> rows_of(Client& client, const QueryOptions& options, const Asked& asked,
+                            std::string& told) {
     const bool compact = options.watch_hz > 0;
     if (!options.z_m) {
-        SEAWAY_TRY_LET(const std::vector<sea::Answer> answers, answers_to(client, options, asked));
+        SEAWAY_TRY_LET(const std::vector<sea::Answer> answers,
+                       answers_to(client, options, asked, told));
         return output_rows(options.format, asked.points, answers, compact);
     }
     if (options.local && options.source != Source::tiles) {
@@ -253,7 +268,7 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
     SEAWAY_TRY(make_ready(*client, options, now));
     const auto start = steady_clock::now();
     sea::TimeUs start_us = client->now_us();
-    std::string text = output_head(options.format, options.z_m.has_value()), said;
+    std::string text = output_head(options.format, options.z_m.has_value()), said, told;
     int seas = client->seas();
     for (;;) {
         if (std::exchange(seas, client->seas()) != seas) {
@@ -266,7 +281,7 @@ Result<void> run_query(const Connect& connect, const QueryOptions& options,
         const sea::TimeUs now_us = client->now_us();
         const Result<std::string> rows =
             rows_of(*client, options,
-                    asked_about(places, options, now_us, watching ? now_us - start_us : 0));
+                    asked_about(places, options, now_us, watching ? now_us - start_us : 0), told);
         if (!rows) {
             if (const auto error = watching ? for_good(*client, rows.error(), said) : rows.error())
                 return *error;

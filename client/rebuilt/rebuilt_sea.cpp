@@ -87,8 +87,12 @@ sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, double z_m,
 
 namespace {
 
+const std::vector<sea::Probe>& probes_of(const protocol::SeaStateValues& state) {
+    return state.glide ? state.glide->leads_to : state.probes;
+}
+
 Result<void> can_be_compared(const protocol::SeaStateValues& state) {
-    if (!state.probes.empty())
+    if (!probes_of(state).empty())
         return {};
     return failed(Failure::not_held,
                   state.glide ? fmt::format("the sea changes until {:g} s, and no probes tell "
@@ -101,7 +105,7 @@ Result<void> can_be_compared(const protocol::SeaStateValues& state) {
 
 Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea) {
     SEAWAY_TRY(can_be_compared(state));
-    const sea::ProbeDifference off = sea::compare(sea.sum(), state.probes);
+    const sea::ProbeDifference off = sea::compare(sea.sum(), probes_of(state));
     constexpr double more = sea::same_sigmas / sea::bound_sigmas;
     const double height_m = more * sea.error().height_m + state.probe_error_m;
     const double displacement_m = more * sea.error().displacement_m + state.probe_error_m;
@@ -113,7 +117,8 @@ Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea
                               off.height_m, off.displacement_m, height_m, displacement_m));
 }
 
-Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state) {
+Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state,
+                                         const sea::Realization* before) {
     SEAWAY_TRY(can_be_compared(state)); // before anything is made
     if (state.scene.empty())
         return failed(Failure::not_held, "the server sent no scene to rebuild its sea from");
@@ -124,9 +129,12 @@ Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state) 
     if (!waves)
         return failed(Failure::not_held, waves.error().message);
     SEAWAY_TRY(check_tiles(state, *waves));
+    auto made = std::make_shared<const sea::Realization>(*std::move(waves));
+    if (before != nullptr) {
+        SEAWAY_TRY_LET(made, sea::continued(*before, *made, state.start_time_us));
+    }
     auto rebuilt = std::make_shared<const RebuiltSea>(
-        std::make_shared<const sea::Realization>(std::move(*waves)), state,
-        RebuiltError{state.probe_error_m, state.probe_error_m});
+        std::move(made), state, RebuiltError{state.probe_error_m, state.probe_error_m});
     SEAWAY_TRY(agrees(state, *rebuilt));
     return rebuilt;
 }

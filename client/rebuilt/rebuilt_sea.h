@@ -93,14 +93,16 @@ class RebuiltSea final : public OwnSea {
 
 using RebuiltSeaPtr = std::shared_ptr<const RebuiltSea>;
 
-/// Is it the sea of this state, by the probes that came with it? An error (not_held): it is further from them than
-/// eight deviations of its error, where an answer's bound is five, or none came.
+/// Is it the sea of this state - of a glide, the one that it leads to -, by the probes that came with it? An error (not_held): it is
+/// further from them than eight deviations of its error, where an answer's bound is five, or none came.
 Result<void> agrees(const protocol::SeaStateValues& state, const RebuiltSea& sea);
 
-/// Makes the sea of the scene that a sea state brings, and holds it against the probes. Errors (not_held): no
+/// Makes the sea of the scene that a sea state brings, and holds it against the probes. Of a glide: the sea that it leads to, whose
+/// phases go on from `before`, the waves that the glide begins with; null: they are those of the scene. Errors (not_held): no
 /// scene or no probes were sent, the scene cannot be read or names files, its tiles are not those of the sea,
 /// or its waves are not: this program draws them otherwise, or the sea has changed on the way. Blocks for
 /// as long as the sea takes to be realised (sea/waves/realize.h).
-Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state);
+Result<RebuiltSeaPtr> rebuild_from_scene(const protocol::SeaStateValues& state,
+                                         const sea::Realization* before = nullptr);
 
 } // namespace seaway::client

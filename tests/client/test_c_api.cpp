@@ -221,13 +221,11 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
                "seaway_query: timeout_s");
         expect(seaway_hold(sea.handle(), &time_us, 1, timeout_s), fine, "seaway_hold: timeout_s");
         const seaway_subscription patient{0, 0, 0, timeout_s};
-        expect(
-            seaway_subscribe(sea.handle(), &patient), fine,
-            fmt::format("seaway_subscription.timeout_s is {}: it must be 0 to 86400", timeout_s));
+        expect(seaway_subscribe(sea.handle(), &patient), fine,
+               fmt::format("subscription.timeout_s is {}: it must be 0 to 86400", timeout_s));
         const seaway_connect_options options{"c", nullptr, nullptr, timeout_s};
         seaway_client* other = nullptr;
-        expect(seaway_connect(url.c_str(), &options, &other), fine,
-               "seaway_connect_options.timeout_s is");
+        expect(seaway_connect(url.c_str(), &options, &other), fine, "options.timeout_s is");
         EXPECT_EQ(other != nullptr, fine);
         seaway_disconnect(other);
     }

@@ -148,8 +148,8 @@ TEST_F(OtherSeas, keyframes_of_a_sea_behind_its_end_do_not_prove_it) {
     EXPECT_EQ(answer_at(behind_us).flags & sea::answer_extrapolated, 0u);
 }
 
-// Naive: one row in a change, which has no scene of its own, and none is answered; or more times than a client holds keyframes of.
-TEST_F(OtherSeas, rows_in_a_change_are_answered_from_tiles_and_many_times_from_waves) {
+// Naive: one row in a change, whose scene is where it leads, and none is answered; or more times than a client holds keyframes of.
+TEST_F(OtherSeas, rows_in_a_change_and_of_many_times_are_answered_from_waves) {
     const auto asked = [&](const std::string& how, const std::string& places) {
         return answers("--points " + tests::folder().write("rows.csv", places) + ' ' + how);
     };
