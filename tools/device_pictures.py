@@ -34,7 +34,7 @@ def times(axis, devices):
                   alpha=0.6)
     axis.plot([], [], "k:", marker="s", alpha=0.6, label="FFTW, transforms alone, in the same run")
     axis.plot(SIZES, [TILES * VKFFT_MS[n] for n in SIZES], "^--", color=COLOURS[4],
-              label="VkFFT, published: lavapipe, another machine,\nthree times one tile")
+              label="VkFFT in a prototype: lavapipe, another machine,\nthree times one tile")
     axis.set_xscale("log", base=2)
     axis.set_yscale("log")
     axis.set_xticks(SIZES, [str(n) for n in SIZES])

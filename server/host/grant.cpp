@@ -234,9 +234,11 @@ Demand grant_of(const Demand& wish, Budgets budgets, FieldSet offered,
     grant_maps(granted, wish, budgets, offered, rung);
     if (granted.empty())
         return {.why = granted.why};
-    if (const std::string why = cannot_be(budgets, granted.limited_as(wish), rung);
-        !wish.renewed && !why.empty())
-        return {.why = why};
+    if (const std::string why = cannot_be(budgets, granted.limited_as(wish), rung); !why.empty()) {
+        if (!wish.renewed)
+            return {.why = why};
+        say(granted.why, why);
+    }
     rung.codec = codec_for(budgets, wish, rung);
     granted.quality = number_of(rung);
     if (is_coarser(granted.quality) && !in_use[granted.quality] &&

@@ -118,7 +118,7 @@ void Session::on_hello(const wire::Hello& hello) {
                           peer_.name, in_quotes(client_), standing_ == Standing::administrator));
     reply(protocol::welcome(id_, "seaway " SEAWAY_VERSION, core_.host.sea_time()));
     for (const protocol::SharedBytes& state : core_.host.sea_state_messages())
-        announce(state);
+        tell(state);
 }
 
 bool Session::fetches_too_many(std::uint32_t request_id) {
@@ -144,9 +144,10 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     wish.shared_only = shares_coarser_maps(wish);
     const Demand grant = core_.host.grant(wish, id_);
     if (grant.empty()) // what was granted before goes on
-        return refuse(request_id,
-                      {grant.busy ? Refusal::busy : Refusal::not_offered,
-                       grant.why.empty() ? "this sea offers none of these fields" : grant.why});
+        return refuse(
+            request_id,
+            {grant.busy ? Refusal::busy : Refusal::not_offered,
+             grant.why.empty() ? "this sea offers none of these fields and cascades" : grant.why});
     if (subscription_ && subscription_->wish.predicted && !wish.predicted &&
         subscription_->wish.fields == wish.fields)
         ++core_.counters.predictions_given_up;
@@ -269,7 +270,7 @@ void Session::fetched(std::uint32_t request_id, const Result<FetchedTiles>& enco
         return refuse(request_id, encoded.error());
     const auto& [keyframes, fields, sea_states] = *encoded;
     for (const protocol::SharedBytes& sea_state : sea_states)
-        announce(sea_state);
+        tell(sea_state);
     auto done = std::make_shared<const protocol::Bytes>(
         protocol::fetch_done(request_id, static_cast<std::uint32_t>(keyframes.size()), fields));
     if (!outbox_.push_fetched(keyframes, fields, std::move(done)))
@@ -328,10 +329,11 @@ void Session::deliver(const Delivery& streamed) {
     // A keyframe computed for an earlier plan may lack what this session was granted: half a
     // keyframe is of no use to it.
     const sea::FieldSet fields = subscription_->granted.fields;
-    if (!keyframe.fields.contains(fields))
+    if (!keyframe.fields.contains(fields) ||
+        !keyframe.follows.contains(subscription_->granted.follows))
         return;
     or_drop([&] {
-        if (streamed.sea_state != nullptr)
+        if (streamed.sea_state != nullptr && !was_told(streamed.sea_state))
             announce(streamed.sea_state);
         if (!subscription_) // it has not taken so many states that it was ended
             return;
@@ -344,11 +346,15 @@ void Session::deliver(const Delivery& streamed) {
 
 void Session::tell_of(std::uint32_t epoch) {
     if (protocol::SharedBytes sea_state = core_.host.sea_state_message(epoch))
-        announce(std::move(sea_state));
+        tell(std::move(sea_state));
 }
 
-void Session::announce(protocol::SharedBytes sea_state) {
-    if (!greeted_ || closing_ || ended_ || std::ranges::find(told_, sea_state) != told_.end())
+bool Session::was_told(const protocol::SharedBytes& sea_state) const {
+    return std::ranges::find(told_, sea_state) != told_.end();
+}
+
+void Session::tell(protocol::SharedBytes sea_state) {
+    if (!greeted_ || closing_ || ended_ || was_told(sea_state))
         return;
     or_drop([&] { // others are told all the same
         told_.push_back(sea_state);
@@ -356,6 +362,15 @@ void Session::announce(protocol::SharedBytes sea_state) {
             told_.pop_front();
         if (!outbox_.push_durable(std::move(sea_state)))
             return close(ErrorCode::too_slow, "sea states wait and cannot be sent");
+        link_.send_more();
+    });
+}
+
+void Session::announce(protocol::SharedBytes sea_state) {
+    tell(std::move(sea_state));
+    if (!greeted_ || closing_ || ended_)
+        return;
+    or_drop([&] {
         renew_grant();
         if (spectrum_wish_)
             make_spectra({});

@@ -67,7 +67,7 @@ class Session {
 
     /// Sends it if it is of this session's quality and holds all that was granted.
     void deliver(const Delivery& streamed);
-    /// Sends a SeaState that it has not been sent.
+    /// A sea that is near: its SeaState is sent unless it has been, and grant and spectra are for that sea, too, from now on.
     void announce(protocol::SharedBytes sea_state);
     /// Something that it asked for is not answered, or not sent.
     bool is_owed() const;
@@ -151,6 +151,9 @@ class Session {
     void dispatch(std::span<const std::uint8_t> bytes);
     /// The sea of keyframes that are about to be sent, where it was not told of.
     void tell_of(std::uint32_t epoch);
+    /// Sends a SeaState that it has not been sent; of a sea that is far, so that nothing follows of it.
+    void tell(protocol::SharedBytes sea_state);
+    bool was_told(const protocol::SharedBytes& sea_state) const;
     void reply(protocol::Bytes message);
     void refuse(std::uint32_t request_id, const Error& why);
 

@@ -166,6 +166,7 @@ Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
         return known;
     for (const EncodedField& map : encoded->maps) {
         encoded->fields.insert(map.field);
+        encoded->follows |= compact.follows & sea::following(map.field);
         encoded->bytes += bytes_of(map) + difference_bytes(map);
     }
     if (streamed != nullptr)

@@ -51,6 +51,7 @@ struct EncodedKeyframe {
     sea::TimeUs time_us = 0;
     Quality quality = 0;
     sea::FieldSet fields;
+    sea::FieldSet follows;          ///< what its tiles say that follows from them
     std::uint64_t base = 0;         ///< the keyframe that differences are to; 0: there are none
     std::vector<EncodedField> maps; ///< in table order
     std::size_t bytes = 0;          ///< of all messages, in all forms

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -12,10 +13,13 @@
 #include "sea/basics/constants.h"
 #include "sea/basics/dispersion.h"
 #include "sea/basics/gaussian.h"
+#include "sea/foam/foam_law.h"
 #include "sea/spectrum/spectra.h"
 #include "sea/spectrum/spreading.h"
+#include "sea/surface/inverse.h"
 #include "sea/waves/directional_spectrum.h"
 #include "sea/waves/mode_variances.h"
+#include "sea/waves/reference.h"
 #include "tests/hard_cases/maps.h"
 #include "tests/hard_cases/record.h"
 #include "tests/naive/spectrum.h"
@@ -179,6 +183,25 @@ TEST(HardCase, A9_no_wind_raises_no_waves) {
     EXPECT_EQ(hs_by_wind_m(0, 1e5), 0);
     EXPECT_FALSE(std::isfinite(naive::jonswap_hs_m(0, 1e5)));
     record("no wind over 100 km", "Hs, m", naive::jonswap_hs_m(0, 1e5), hs_by_wind_m(0, 1e5));
+
+    // Flat to the bit: J = 1, a normal straight up, no foam.
+    sea::SeaState calm;
+    calm.systems.emplace_back(sea::WindSea{});
+    const auto flat = testing::realized(calm, testing::three_cascades);
+    const sea::DirectSum sum(flat);
+    const sea::LagrangianPoint point = sum.at(31.7, -8.25, 987'654'321);
+    for (const sea::FieldInfo& row : sea::field_table)
+        if (row.at_point) {
+            EXPECT_EQ(point.*row.at_point, 0.0) << row.name;
+        }
+    EXPECT_EQ(sea::jacobian(point, {1, 1}), 1.0);
+    const sea::Answer answer =
+        sea::surface_at({31.7, -8.25, 987'654'321}, {{1, 1}, 1e-9, {}}, sum.at_time(987'654'321));
+    EXPECT_EQ(answer.height_m, 0.0);
+    EXPECT_EQ(std::tuple(answer.normal[0], answer.normal[1], answer.normal[2]),
+              std::tuple(0.0, 0.0, 1.0));
+    const sea::FoamLawPtr foam = sea::make_foam_law(*flat, {});
+    EXPECT_TRUE(!foam || foam->calm());
 }
 
 TEST(HardCase, A12_no_fetch_raises_no_waves) {

@@ -280,7 +280,7 @@ TEST(Clock, a_pull_that_begins_is_followed_as_fast_as_looks_tell_it) {
     }
 }
 
-TEST(Clock, never_runs_backwards_whatever_it_is_told) {
+TEST(Clock, h1_never_runs_backwards_whatever_it_is_told) {
     std::mt19937_64 random(3);
     std::uniform_int_distribution<LocalUs> jump(-3 * second_us, 3 * second_us);
     ClockFilter clock;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The truth that synthesised maps are held against: the sum over modes in double precision, by the
-// formulas of sea/waves/realization.h and sea/basics/field.h, separable but without any fast transform.
+// formulas of sea/waves/realization.h and tests/support/field_law.h, separable but without any fast transform.
 #pragma once
 
 #include <complex>
@@ -10,41 +10,9 @@
 #include "sea/basics/field.h"
 #include "sea/waves/realization.h"
 #include "tests/sea/native/random_modes.h"
+#include "tests/support/field_law.h"
 
 namespace seaway::sea {
-
-/// Multiplier of h (or dh/dt) for a linear field at k = (kx, ky), without the factor i.
-inline double multiplier(Field field, double kx, double ky, double depth_m) {
-    const double length = std::hypot(kx, ky);
-    if (length == 0)
-        return 0;
-    const double k = length * std::tanh(length * depth_m); // D = i k/|k| coth(kd) h
-    switch (field) {
-    case Field::height:
-    case Field::height_rate:
-        return 1;
-    case Field::displacement_x:
-    case Field::displacement_x_rate:
-        return kx / k;
-    case Field::displacement_y:
-    case Field::displacement_y_rate:
-        return ky / k;
-    case Field::slope_x:
-        return kx;
-    case Field::slope_y:
-        return ky;
-    case Field::strain_xx:
-        return -kx * kx / k;
-    case Field::strain_yy:
-        return -ky * ky / k;
-    case Field::strain_xy:
-        return -kx * ky / k;
-    case Field::jacobian:
-    case Field::foam:
-        break;
-    }
-    return 0;
-}
 
 /// Complex amplitude of a linear field at array index (ix, iy).
 inline std::complex<double> amplitude(const CascadeModes& modes, Field field, std::size_t ix,
@@ -56,13 +24,11 @@ inline std::complex<double> amplitude(const CascadeModes& modes, Field field, st
     const auto forward = modes.h0[here] * turn;
     const auto backward = std::conj(modes.h0[there] * turn);
     std::complex<double> h = forward + backward;
-    if (info(field).time_rate)
+    if (tests::is_rate(field))
         h = std::complex<double>(0, -omega) * (forward - backward);
-    if (info(field).imaginary)
-        h *= std::complex<double>(0, 1);
     const double step = modes.spec.wavenumber_step_radpm();
-    return h * multiplier(field, lattice(ix, modes.spec.size) * step,
-                          lattice(iy, modes.spec.size) * step, modes.depth_m);
+    return h * tests::of_wave(field, lattice(ix, modes.spec.size) * step,
+                              lattice(iy, modes.spec.size) * step, modes.depth_m);
 }
 
 /// Rows y = 0, stride, 2 stride, ... of a linear field: [row][x].

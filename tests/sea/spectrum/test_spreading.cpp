@@ -127,14 +127,25 @@ TEST(Spreading, first_moment_is_the_integral_of_cosine) {
 // acts the other way than a tanh(w/wp) exponent would: long waves become the narrow ones (trap
 // T10).
 TEST(Spreading, A17_T10_swell_narrows_long_waves_and_acts_continuously) {
-    EXPECT_GT(swell_exponent(0.5, 1.0), swell_exponent(2.0, 1.0));
-    EXPECT_NEAR(swell_exponent(1.0, 1.0), 16.0 * std::tanh(1.0), 1e-14);
-    for (const SpreadingKind kind : all_kinds) {
-        const Spreading none({kind, 10.0, 0.0, 0.0}, {1.0, 1.0});
-        const Spreading little({kind, 10.0, 1e-4, 0.0}, {1.0, 1.0});
-        // s_xi = 1.2e-7.
-        EXPECT_NEAR(none(0.3), little(0.3), 1e-6);
-    }
+    // 16 tanh(wp / w) xi^2 (Horvath 2015), by exponentials.
+    for (const double x : {0.5, 0.8, 1.0, 1.25, 2.0, 4.0})
+        for (const double xi : {0.25, 0.5, 1.0}) {
+            const double squeezed = std::exp(2 / x);
+            const double expected = 16 * xi * xi * (squeezed - 1) / (squeezed + 1);
+            EXPECT_NEAR(swell_exponent(x, xi), expected, 1e-13 * expected) << x << ' ' << xi;
+        }
+    // An exponent of at most 16 more: a density grows by 32 d(xi) times 0.3 at most, and is none below 0.
+    constexpr double step = 1e-6;
+    for (const SpreadingKind kind : all_kinds)
+        for (const double x : {0.6, 1.0, 1.7})
+            for (double xi = 0; xi < 1; xi += 0.05) {
+                const Spreading here({kind, 10.0, xi, 0.0}, {x, 1.0});
+                const Spreading there({kind, 10.0, xi + step, 0.0}, {x, 1.0});
+                for (double theta = -3.1; theta < 3.2; theta += 0.2) {
+                    EXPECT_GE(here(theta), 0);
+                    EXPECT_NEAR(here(theta), there(theta), 10 * step) << theta << ' ' << xi;
+                }
+            }
 }
 
 // The sum of both exponents, not the larger one; where there is no exponent to add to, the swell's is a factor.

@@ -115,6 +115,17 @@ TEST(Reference, equals_the_definition_term_by_term) {
             expect_the_definition(sum, x, 2.0 * x + 1.0, t);
 }
 
+// Naive (trap T34): a loop rounds frequencies, and slopes and displacements of wavenumbers that are derived from these anew are of
+// other waves than the heights.
+TEST(Reference, wavenumbers_stay_on_the_lattice_where_a_loop_rounds_frequencies) {
+    SeaState looping = windy_sea();
+    looping.loop_period_s = 60;
+    const DirectSum sum(testing::realized(looping, testing::three_cascades));
+    for (const TimeUs t : {TimeUs{0}, us_from_seconds(12.34), us_from_seconds(6e9)})
+        for (const double x : {0.0, 13.7, -250.3})
+            expect_the_definition(sum, x, 2.0 * x + 1.0, t);
+}
+
 // Sums run over eight neighbours at a time, from west and east together: waves at the ends of eights, with
 // gaps between them, alone on their side, on the axes.
 TEST(Reference, finds_every_wave_of_a_sea_of_few) {

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <random>
 
+#include "tests/support/field_law.h"
+
 namespace seaway::server {
 
 namespace {
@@ -26,29 +28,6 @@ sea::CascadeModes empty(int size, double length_m) {
     cascade.h0.resize(points);
     cascade.rate.resize(points);
     return cascade;
-}
-
-double multiplier(sea::Basis basis, double kx, double ky, double depth_m) {
-    const double k = std::hypot(kx, ky) * std::tanh(std::hypot(kx, ky) * depth_m);
-    switch (basis) {
-    case sea::Basis::one:
-        return 1;
-    case sea::Basis::kx_over_k:
-        return kx / k;
-    case sea::Basis::ky_over_k:
-        return ky / k;
-    case sea::Basis::kx:
-        return kx;
-    case sea::Basis::ky:
-        return ky;
-    case sea::Basis::kxx_over_k:
-        return kx * kx / k;
-    case sea::Basis::kyy_over_k:
-        return ky * ky / k;
-    case sea::Basis::kxy_over_k:
-        return kx * ky / k;
-    }
-    return NAN;
 }
 
 } // namespace
@@ -91,7 +70,6 @@ OneWave::OneWave(int size, double length_m, int nx, int ny, double amplitude_m, 
 
 FieldSum::FieldSum(const sea::CascadeModes& cascade, sea::Field field, sea::TimeUs time_us)
     : size_(cascade.spec.size) {
-    const sea::FieldInfo& row = sea::info(field);
     for (int i = 0; i < size_; ++i)
         unit_.push_back(std::polar(1.0, two_pi * i / size_));
     // A wave h0 exp(i (k.x - w t)) and its mirror, its conjugate, are twice its real part. Waves
@@ -103,10 +81,8 @@ FieldSum::FieldSum(const sea::CascadeModes& cascade, sea::Field field, sea::Time
             if (cascade.h0[at] == 0.0)
                 continue;
             const double dk = cascade.spec.wavenumber_step_radpm();
-            Complex m = row.weight * multiplier(row.basis, nx * dk, ny * dk, cascade.depth_m);
-            if (row.imaginary)
-                m *= Complex(0, 1);
-            if (row.time_rate)
+            Complex m = tests::of_wave(field, nx * dk, ny * dk, cascade.depth_m);
+            if (tests::is_rate(field))
                 m *= Complex(0, -sea::omega_from_rate(cascade.rate[at]));
             const Complex now = 2.0 * m * cascade.h0[at] *
                                 std::polar(1.0, -sea::phase_rad(cascade.rate[at], time_us));

@@ -111,7 +111,7 @@ class AllKernels : public VulkanSynthesizerTest, public testing::WithParamInterf
 INSTANTIATE_TEST_SUITE_P(Kernels, AllKernels, testing::ValuesIn(all_variants()), name_of);
 
 // 1e-5 Hs: floats carry 6e-8, a transform of a million points loses a few of them, the sine 1e-7.
-TEST_P(AllKernels, height_matches_the_direct_sum_within_1e5_of_hs_at_all_times) {
+TEST_P(AllKernels, B4_height_matches_the_direct_sum_within_1e5_of_hs_at_all_times) {
     const RandomSea random = random_sea(1);
     set_sea(random.realization(), 7);
     for (const double t_s : {0.0, 12.34, 86'400.0, 1e6, 1e9, -3600.5}) {

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// A client that has asked about a sea before everybody is told of it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "client/client.h"
+#include "tests/server/change_bench.h"
+#include "tests/support/read_file.h"
+
+namespace seaway::changes {
+namespace {
+
+using client::Client;
+
+/// Shallower from then on, so that displacements follow from heights no more: what a stream holds is other than before.
+std::string calm_until(double at_s) {
+    return tests::read_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml") +
+           fmt::format("\n[[weather]]\nat_s = {}\nover_s = 10\nset = {{ sea.depth_m = 9.0 }}\n",
+                       at_s);
+}
+
+/// Of keyframes or waves that came, now.
+void expect_now(Client& client, const char* whose) {
+    std::vector<sea::QueryPoint> points;
+    for (int place = 0; place < 20; ++place)
+        points.push_back({31.0 * place, -17.0 * place, client.now_us() - 100'000});
+    const auto own = client.sample(points);
+    ASSERT_TRUE(own) << whose << ": " << own.error().message;
+    const auto exact = client.ask(points, {.exact = true, .timeout_s = 60});
+    ASSERT_TRUE(exact) << whose << ": " << exact.error().message;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_EQ((*own)[i].flags & sea::answer_extrapolated, 0u) << whose;
+        EXPECT_LE(std::abs((*own)[i].height_m - (*exact)[i].height_m),
+                  (*own)[i].error_m + (*exact)[i].error_m)
+            << whose;
+    }
+}
+
+// Naive: who has been sent the state of a sea, for a question about it, is not told of it when it comes: neither does what was
+// granted follow it, so that keyframes are sent which lack half of it, nor do its waves come.
+TEST(Changes, who_looked_ahead_at_a_sea_is_served_it_like_others) {
+    constexpr double at_s = 16;
+    tests::ServerProcess server(natively("soon.toml", calm_until(at_s)));
+    const std::string url = server.wait_until_ready();
+    const auto tiles = connect(url), waves = connect(url);
+    ASSERT_TRUE(tiles && waves) << server.log();
+    ASSERT_TRUE(tiles->subscribe({.fields = sea::surface_fields}, 2, 30));
+    ASSERT_TRUE(waves->subscribe_spectrum({}, 30));
+    const sea::TimeUs ahead_us = sea::us_from_seconds(at_s + 5);
+    for (const auto& client : {tiles.get(), waves.get()}) {
+        ASSERT_TRUE(client->hold({&ahead_us, 1}, 60));
+        EXPECT_TRUE(client->sea_state(ahead_us)->glide) << "it was told of that sea";
+    }
+    ASSERT_LT(sea::seconds_from_us(tiles->now_us()), at_s - 10) << "else all have been told";
+    for (const double then_s : {at_s + 3, at_s + 8, at_s + 13}) {
+        wait_until(*tiles, then_s);
+        expect_now(*tiles, "tiles");
+        expect_now(*waves, "waves");
+        EXPECT_EQ(waves->source(waves->now_us()).source, client::AnswersFrom::spectrum) << then_s;
+    }
+}
+
+} // namespace
+} // namespace seaway::changes
