@@ -224,6 +224,15 @@ Result<CommandLine::Next> CommandLine::read(std::vector<std::string> words) {
                    words[0] == "--manual" ? manual_page(*app_, version()) : bash_completion(*app_));
         return Next::leave;
     }
+    // "seaway-ctl set --help", without what would come before.
+    const auto command = std::ranges::find_if(commands_, [&](const auto& one) {
+        return !words.empty() && one->app_->get_name() == words[0];
+    });
+    if (command != commands_.end() && words.size() == 2 &&
+        (words[1] == "--help" || words[1] == "-h")) {
+        fmt::print("{}", (*command)->app_->help(app_->get_name()));
+        return Next::leave;
+    }
     SEAWAY_TRY(add_words_of_file(words));
     std::reverse(words.begin(), words.end()); // as the parser wants them
     try {

@@ -171,8 +171,7 @@ seaway_code seaway_sea_at(const seaway_client* client, int64_t time_us, seaway_s
 seaway_code seaway_query(seaway_client* client, const seaway_point* points, size_t count, int exact,
                          double timeout_s, seaway_answer* answers) {
     return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !answers)))
-            return bad("seaway_query: client, points and answers must not be null");
+        SEAWAY_TRY(points_given("seaway_query", client, points, count, answers, "answers"));
         SEAWAY_TRY_LET(const double patience_s, patience("seaway_query: timeout_s", timeout_s));
         SEAWAY_TRY_LET(const std::vector<sea::Answer> asked,
                        client->client->ask(as_points(points, count), {exact != 0, patience_s}));
@@ -228,6 +227,7 @@ seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t c
     return guarded([&]() -> Result<void> {
         if (!client || (count > 0 && !times_us))
             return bad("seaway_hold: client and times_us must not be null");
+        SEAWAY_TRY(count_fits("seaway_hold", count));
         SEAWAY_TRY_LET(const double patience_s, patience("seaway_hold: timeout_s", timeout_s));
         return client->client->hold({times_us, count}, patience_s);
     });
@@ -236,8 +236,7 @@ seaway_code seaway_hold(seaway_client* client, const int64_t* times_us, size_t c
 seaway_code seaway_sample(const seaway_client* client, const seaway_point* points, size_t count,
                           seaway_answer* answers) {
     return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !answers)))
-            return bad("seaway_sample: client, points and answers must not be null");
+        SEAWAY_TRY(points_given("seaway_sample", client, points, count, answers, "answers"));
         RecycledVector<sea::Answer> sampled(count); // a call that fails writes nothing
         SEAWAY_TRY(client->client->sample_into(as_points(points, count), sampled));
         put(sampled, answers);

@@ -214,6 +214,24 @@ class Out {
     std::size_t stride_;
 };
 
+/// More are meant by nobody: a size that wrapped, or was never set.
+inline constexpr std::size_t points_max = std::numeric_limits<std::uint32_t>::max();
+
+inline Result<void> count_fits(const char* call, std::size_t count) {
+    if (count <= points_max)
+        return {};
+    return bad(fmt::format("{}: count is {}: it must be 0 to {}", call, count, points_max));
+}
+
+/// What each call about points needs; `to` is where its answers go, `name` what that is called.
+inline Result<void> points_given(const char* call, const seaway_client* client,
+                                 const seaway_point* points, std::size_t count, const void* to,
+                                 const char* name) {
+    if (!client || (count > 0 && (!points || !to)))
+        return bad(fmt::format("{}: client, points and {} must not be null", call, name));
+    return count_fits(call, count);
+}
+
 /// Of structs that begin with an answer.
 inline Result<void> stride_fits(std::size_t stride, const char* call, const char* name) {
     if (stride >= sizeof(seaway_answer))

@@ -75,8 +75,7 @@ Result<void> sample_as(const seaway_client& client, const seaway_sampling* how,
 seaway_code seaway_sample_as(const seaway_client* client, const seaway_sampling* how,
                              const seaway_point* points, size_t count, seaway_answer* answers) {
     return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !answers)))
-            return bad("seaway_sample_as: client, points and answers must not be null");
+        SEAWAY_TRY(points_given("seaway_sample_as", client, points, count, answers, "answers"));
         RecycledVector<sea::Answer> sampled;
         SEAWAY_TRY(sample_as(*client, how, as_points(points, count), sampled, {}));
         put(sampled, answers);
@@ -88,8 +87,7 @@ seaway_code seaway_sample_terms(const seaway_client* client, const seaway_sampli
                                 const seaway_point* points, size_t count, seaway_terms* terms,
                                 size_t stride) {
     return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !terms)))
-            return bad("seaway_sample_terms: client, points and terms must not be null");
+        SEAWAY_TRY(points_given("seaway_sample_terms", client, points, count, terms, "terms"));
         SEAWAY_TRY(stride_fits(stride, "seaway_sample_terms", "seaway_terms"));
         RecycledVector<sea::Answer> sampled;
         RecycledVector<sea::ErrorTerms> made_of(count);

@@ -46,8 +46,9 @@ seaway_code below_of(const char* call, const seaway_client* client, const seaway
                      const seaway_point* points, const double* z_m, size_t count,
                      seaway_below* below, size_t stride, const Find& find) {
     return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !z_m || !below)))
-            return bad(fmt::format("{}: client, points, z_m and below must not be null", call));
+        SEAWAY_TRY(points_given(call, client, points, count, below, "below"));
+        if (count > 0 && !z_m)
+            return bad(fmt::format("{}: z_m must not be null", call));
         SEAWAY_TRY_LET(const Looking some, looking_of(looking));
         SEAWAY_TRY(stride_fits(stride, call, "seaway_below"));
         for (std::size_t i = 0; i < count; ++i)
@@ -69,8 +70,7 @@ seaway_code seaway_sample_water(const seaway_client* client, const seaway_lookin
                                 const seaway_point* points, size_t count, seaway_water* water,
                                 size_t stride) {
     return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !water)))
-            return bad("seaway_sample_water: client, points and water must not be null");
+        SEAWAY_TRY(points_given("seaway_sample_water", client, points, count, water, "water"));
         SEAWAY_TRY_LET(const Looking some, looking_of(looking));
         SEAWAY_TRY(stride_fits(stride, "seaway_sample_water", "seaway_water"));
         SEAWAY_TRY_LET(const std::vector<Water> found,
@@ -114,8 +114,7 @@ seaway_code seaway_query_some(seaway_client* client, const seaway_looking* looki
                               const seaway_point* points, size_t count, int exact, double timeout_s,
                               seaway_answer* answers) {
     return guarded([&]() -> Result<void> {
-        if (!client || (count > 0 && (!points || !answers)))
-            return bad("seaway_query_some: client, points and answers must not be null");
+        SEAWAY_TRY(points_given("seaway_query_some", client, points, count, answers, "answers"));
         SEAWAY_TRY_LET(const double patience_s,
                        patience("seaway_query_some: timeout_s", timeout_s));
         SEAWAY_TRY_LET(const Looking some, looking_of(looking));

@@ -33,16 +33,16 @@ Result<void> Client::rebuild(const SeaStatePtr& state, int depth) {
     const Result<OwnSeaPtr> before = state->glide ? rebuild_before(state, depth) : OwnSeaPtr();
     const sea::RealizationPtr waves =
         before && *before ? (*before)->waves_at(state->start_time_us) : nullptr;
-    SEAWAY_TRY_LET(const RebuiltSeaPtr made, rebuild_from_scene(*state, waves.get()));
-    {
+    const Result<RebuiltSeaPtr> made = rebuild_from_scene(*state, waves.get());
+    if (made) {
         const std::scoped_lock lock(mutex_);
         for (const SeaStatePtr& held : sea_states_)
             if (held == state) // not replaced meanwhile
-                rebuilt_[state->epoch] = made;
+                rebuilt_[state->epoch] = *made;
     }
-    if (!before) // where a glide leads is known, and not the way
+    if (!before) // and where a glide leads may be known all the same
         return before.error();
-    return {};
+    return made ? Result<void>() : made.error();
 }
 
 Result<OwnSeaPtr> Client::rebuild_before(const SeaStatePtr& glide, int depth) {

@@ -188,7 +188,8 @@ OwnSeaPtr Client::own_sea(const WavesOf& of) const {
         return sea;
     const TimeUs end_us = of.state->glide->end_us;
     const auto made =
-        GlidingSea::create(*of.state, *from, *ends.front(), of.state->start_time_us, end_us);
+        GlidingSea::create(*of.state, *from, *ends.front(), of.state->start_time_us, end_us,
+                           of.made ? GlidingSea::Phases::noted : GlidingSea::Phases::as_sent);
     if (!made)
         return nullptr;
     const std::scoped_lock lock(mutex_);

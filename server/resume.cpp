@@ -95,8 +95,8 @@ Result<sea::Paces> play_all(const std::string& path, const std::vector<SeaChange
 void look_at_clock(const Journal& journal, std::int64_t now_utc_us) {
     const std::int64_t made_utc_us = journal.standing().made_utc_us;
     if (now_utc_us < made_utc_us)
-        spdlog::warn("event=sea_clock_behind by_s={:.1f} why=\"its last change was made at {}, and "
-                     "this machine's clock says {}\"",
+        spdlog::warn("event=sea_clock_behind by_s={:.1f} why=\"its last change was made, or its "
+                     "sea begun, at {}, and this machine's clock says {}\"",
                      sea::seconds_from_us(made_utc_us - now_utc_us), utc_text(made_utc_us),
                      utc_text(now_utc_us));
 }

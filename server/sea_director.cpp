@@ -144,6 +144,7 @@ void SeaDirector::run() {
         journal_grew_ = false;
         lock.unlock();
         look_at_clock();
+        note_begun();
         follow_if_there_is_memory();
         lock.lock();
         lock.unlock();

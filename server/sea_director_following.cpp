@@ -30,6 +30,14 @@ void SeaDirector::falls_behind() {
         continue;
 }
 
+void SeaDirector::note_begun() {
+    const std::uint32_t epoch = course_->window_at(clock_.now_us()).epoch;
+    if (!journal_ || epoch == begun_epoch_)
+        return;
+    if (journal_->note_begun()) // else the next look does
+        begun_epoch_ = epoch;
+}
+
 void SeaDirector::follow_if_there_is_memory() {
     bool follows = false;
     try {

@@ -20,6 +20,7 @@ namespace seaway::client {
 namespace {
 
 constexpr const char* ctl_footer =
+    "Each command has options of its own: seaway-ctl COMMAND --help.\n"
     "Changes are written to the server's journal before they are "
     "answered; the answer says when the sea begins to glide,\n"
     "when it is there, and the number of the change, which rewind "

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "base/quiet_thread.h"
+#include "base/text_file.h"
 #include "base/thread_name.h"
 #include "base/undo.h"
 #include "client/link/failure.h"
@@ -411,10 +412,14 @@ Result<std::shared_ptr<asio::ssl::context>> make_tls_context(const WebSocketOpti
     context->set_options(asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1, problem);
     context->set_default_verify_paths(problem);
     if (!options.ca_file.empty()) {
-        context->load_verify_file(options.ca_file, problem);
-        if (problem)
-            return failed(Failure::bad_argument, fmt::format("certificates in '{}': {}",
-                                                             options.ca_file, problem.message()));
+        const Result<void> regular =
+            check_regular_file(options.ca_file); // OpenSSL waits for a pipe
+        if (regular)
+            context->load_verify_file(options.ca_file, problem);
+        if (!regular || problem)
+            return failed(Failure::bad_argument,
+                          fmt::format("certificates in '{}': {}", options.ca_file,
+                                      regular ? problem.message() : regular.error().message));
     }
     return context;
 }

@@ -33,12 +33,17 @@ sea::RealizationPtr continued_by(const sea::Realization& from, const sea::Realiz
 Result<std::shared_ptr<const GlidingSea>> GlidingSea::create(const protocol::SeaStateValues& state,
                                                              const OwnSea& from, const OwnSea& to,
                                                              sea::TimeUs start_us,
-                                                             sea::TimeUs end_us) {
-    const auto later = std::make_shared<sea::Realization>(*to.waves_at(end_us));
-    for (sea::CascadeModes& modes : later->cascades)
-        modes.phase_offset_turns.clear(); // its h0 stands as it is
-    Result<sea::SeaTransition> change = sea::SeaTransition::create(
-        continued_by(*from.waves_at(start_us), *later, start_us), later, start_us, end_us);
+                                                             sea::TimeUs end_us, Phases phases) {
+    sea::RealizationPtr before = from.waves_at(start_us), after = to.waves_at(end_us);
+    if (phases == Phases::as_sent) {
+        const auto later = std::make_shared<sea::Realization>(*after);
+        for (sea::CascadeModes& modes : later->cascades)
+            modes.phase_offset_turns.clear(); // its h0 stands as it is
+        before = continued_by(*before, *later, start_us);
+        after = later;
+    }
+    Result<sea::SeaTransition> change =
+        sea::SeaTransition::create(std::move(before), std::move(after), start_us, end_us);
     if (!change)
         return failed(Failure::not_held, change.error().message);
     // Shares that add up to one of two errors that have nothing to do with each other.

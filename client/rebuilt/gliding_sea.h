@@ -16,12 +16,12 @@ namespace seaway::client {
 class GlidingSea final : public OwnSea {
   public:
     /// From the waves of `from` at `start_us` to those of `to` at `end_us`, whose phases are those at which the glide ends:
-    /// what a server sends of a sea that has been changed to. `state` is of the glide. An error (not_held): they
-    /// have other tiles.
-    static Result<std::shared_ptr<const GlidingSea>> create(const protocol::SeaStateValues& state,
-                                                            const OwnSea& from, const OwnSea& to,
-                                                            sea::TimeUs start_us,
-                                                            sea::TimeUs end_us);
+    /// what a server sends of a sea that has been changed to, or what goes on from `from` as `noted` in it
+    /// (rebuild_from_scene()). `state` is of the glide. An error (not_held): they have other tiles.
+    enum class Phases { as_sent, noted };
+    static Result<std::shared_ptr<const GlidingSea>>
+    create(const protocol::SeaStateValues& state, const OwnSea& from, const OwnSea& to,
+           sea::TimeUs start_us, sea::TimeUs end_us, Phases phases = Phases::as_sent);
 
     double answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
                   std::span<sea::ErrorTerms> terms,

@@ -66,7 +66,8 @@ struct JournalStanding {
     bool compares =
         false;       ///< it has just begun to compare clocks, and not two others have answered yet
     PeersSeen peers; ///< how far this server's clock is from those of others with the same log
-    /// When the last change was made, by the clock that compare_clocks() gave; 0: it does not say, or others append.
+    /// When the last change was made, or a sea begun (note_begun()), by the clock that compare_clocks() gave; 0: it does not say, or
+    /// others append.
     std::int64_t made_utc_us = 0;
     std::string trouble; ///< what is wrong, one line; empty: nothing
 };
@@ -99,9 +100,12 @@ class Journal {
     virtual std::int64_t spread_us() const = 0;
     /// From now on this clock, the time since the sea's epoch, is compared with those of others who follow the log, standing().peers, and
     /// is what changes are told to be stored by; where nobody else appends it is what each change was made at, and none is taken
-    /// before the last one was.
+    /// before the last one was made, or the last sea begun.
     /// Empty: no more.
     virtual void compare_clocks(std::function<std::int64_t()> elapsed_us) = 0;
+    /// A sea begins, now by the clock of compare_clocks(): where nobody else appends, no change is taken before that either, of a clock
+    /// that is behind after a start. Durable, as append(). Else it says nothing.
+    virtual Result<void> note_begun() { return {}; }
     /// The server stops: what waits for the log, and what is asked of it from now on, ends within some 2 s, with an error where nobody is
     /// connected to it. What is held stays.
     virtual void connect_no_more() = 0;

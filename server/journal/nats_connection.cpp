@@ -9,6 +9,7 @@
 #include <nats/nats.h>
 #include <resolv.h>
 
+#include "base/pem_file.h"
 #include "base/text_file.h"
 #include "server/journal/shared_log.h"
 
@@ -63,6 +64,19 @@ Result<void> set_credentials(natsOptions* options, const std::string& file) {
 Result<void> set_tls(natsOptions* options, const NatsPlace& place) {
     if (place.ca_file.empty())
         return {};
+    // The library would wait for a pipe, and ask a terminal for a pass phrase.
+    const auto readable = [](const char* option, const std::string& path,
+                             const Result<std::string>& text) -> Result<void> {
+        if (text)
+            return {};
+        return Error{fmt::format("{} {}: {}", option, path, text.error().message)};
+    };
+    SEAWAY_TRY(readable("--journal-tls-ca", place.ca_file, read_pem_file(place.ca_file)));
+    if (!place.cert_file.empty()) {
+        SEAWAY_TRY(readable("--journal-tls-cert", place.cert_file, read_pem_file(place.cert_file)));
+        SEAWAY_TRY(
+            readable("--journal-tls-key", place.key_file, read_pem_key_file(place.key_file)));
+    }
     SEAWAY_TRY(with_file("--journal-tls-ca", place.ca_file, natsOptions_SetSecure(options, true)));
     SEAWAY_TRY(with_file("--journal-tls-ca", place.ca_file,
                          natsOptions_LoadCATrustedCertificates(options, place.ca_file.c_str())));

@@ -14,6 +14,7 @@
 #include "server/journal/change_text.h"
 #include "server/journal/journal_file.h"
 #include "server/journal/sea_clock.h"
+#include "server/journal/sqlite_statement.h"
 
 namespace seaway::server {
 namespace {
@@ -35,82 +36,10 @@ constexpr const char* layout = R"(
 static_assert(journal_application_id == 1399153015 && journal_version == 2, "as the layout says");
 /// What layout 1 lacks. The header of a file may still say 1 when what stands beside it says 2.
 constexpr const char* when_last_made = "SELECT max(made_utc_us) FROM changes";
+constexpr const char* note_last_made = "UPDATE changes SET made_utc_us = ? WHERE epoch = ?";
 constexpr const char* add_when_made =
     "BEGIN IMMEDIATE; ALTER TABLE changes ADD COLUMN made_utc_us INTEGER; "
     "PRAGMA user_version = 2; COMMIT";
-
-/// A disk that is full, or does not answer, or another program that holds the file, is no wrong journal: it passes.
-Error sql_error(sqlite3* database) {
-    const int code = sqlite3_errcode(database) & 0xff;
-    Error error{sqlite3_errmsg(database)};
-    if (code == SQLITE_FULL || code == SQLITE_IOERR || code == SQLITE_BUSY ||
-        code == SQLITE_LOCKED || code == SQLITE_NOMEM ||
-        (code == SQLITE_CANTOPEN && passes(sqlite3_system_errno(database))))
-        error.kind = JournalError::unreachable;
-    return error;
-}
-
-Result<void> run(sqlite3* database, const char* sql) {
-    if (sqlite3_exec(database, sql, nullptr, nullptr, nullptr) != SQLITE_OK)
-        return sql_error(database);
-    return {};
-}
-
-/// One prepared statement; its values are bound in order.
-class Statement {
-  public:
-    static Result<Statement> prepare(sqlite3* database, const char* sql) {
-        sqlite3_stmt* made = nullptr;
-        if (sqlite3_prepare_v2(database, sql, -1, &made, nullptr) != SQLITE_OK)
-            return sql_error(database);
-        return Statement(database, made);
-    }
-
-    Statement& bind(std::int64_t value) {
-        sqlite3_bind_int64(statement_.get(), ++bound_, value);
-        return *this;
-    }
-    Statement& bind(const std::string& value) {
-        sqlite3_bind_text64(statement_.get(), ++bound_, value.data(), value.size(),
-                            SQLITE_TRANSIENT, SQLITE_UTF8);
-        return *this;
-    }
-
-    /// True: there is a row.
-    Result<bool> step() {
-        const int code = sqlite3_step(statement_.get());
-        if (code != SQLITE_ROW && code != SQLITE_DONE)
-            return sql_error(database_);
-        return code == SQLITE_ROW;
-    }
-    std::int64_t integer(int column) const {
-        return sqlite3_column_int64(statement_.get(), column);
-    }
-    std::string text(int column) const {
-        const auto* bytes = sqlite3_column_blob(statement_.get(), column);
-        const int count = sqlite3_column_bytes(statement_.get(), column);
-        return bytes ? std::string(static_cast<const char*>(bytes), static_cast<std::size_t>(count))
-                     : std::string();
-    }
-
-  private:
-    struct Finalize {
-        void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-    };
-    Statement(sqlite3* database, sqlite3_stmt* statement)
-        : database_(database), statement_(statement) {}
-
-    sqlite3* database_;
-    std::unique_ptr<sqlite3_stmt, Finalize> statement_;
-    int bound_ = 0;
-};
-
-/// Of the first row.
-Result<std::int64_t> first_number(sqlite3* database, const char* sql) {
-    SEAWAY_TRY_LET(Statement one, Statement::prepare(database, sql));
-    SEAWAY_TRY(one.step());
-    return one.integer(0);
-}
 
 Result<void> insert(sqlite3* database, const SeaChange& change, std::uint64_t sum,
                     std::int64_t made_utc_us) {
@@ -387,8 +316,8 @@ Result<void> SqliteJournal::check_clock(std::int64_t now_utc_us) const {
         return {};
     return Error{
         JournalError::clock_behind,
-        wrong(fmt::format("takes nothing: its last change was made at {}, and by the sea's "
-                          "clock it is {}. Set this machine's clock",
+        wrong(fmt::format("takes nothing: its last change was made, or its sea begun, at {}, and "
+                          "by the sea's clock it is {}. Set this machine's clock",
                           utc_text(made_utc_us_), utc_text(now_utc_us)))
             .message};
 }
@@ -398,28 +327,52 @@ void SqliteJournal::compare_clocks(std::function<std::int64_t()> elapsed_us) {
     elapsed_us_ = std::move(elapsed_us);
 }
 
+void SqliteJournal::is_written(std::int64_t now_utc_us) {
+    log_file_ = log_file_ ? log_file_ : file_identity(path_ + "-wal");
+    made_utc_us_ = now_utc_us;
+    empty_log();
+}
+
+std::int64_t SqliteJournal::now_utc_us() const {
+    return elapsed_us_ ? epoch_utc_us_ + elapsed_us_() : made_utc_us_.load();
+}
+
+/// What is written to a file that is gone nobody would find.
+Result<void> SqliteJournal::check_there() const {
+    if (file_identity(path_) == file_ && (!log_file_ || file_identity(path_ + "-wal") == log_file_))
+        return {};
+    return wrong("was removed or replaced while this server runs: a restart goes on with what is "
+                 "there then");
+}
+
+/// Beside the last change: none is made before it anyway. A file of layout 1 stays one until it is changed.
+Result<void> SqliteJournal::note_begun() {
+    const std::scoped_lock lock(mutex_);
+    const std::int64_t begun_us = now_utc_us();
+    if (!says_when_made_ || begun_us <= made_utc_us_)
+        return {};
+    SEAWAY_TRY(check_there());
+    SEAWAY_TRY_LET(Statement noted, Statement::prepare(database_.get(), note_last_made));
+    SEAWAY_TRY(noted.bind(begun_us).bind(last_epoch_).step());
+    is_written(begun_us);
+    return {};
+}
+
 Result<void> SqliteJournal::append(const SeaChange& change) {
     const std::scoped_lock lock(mutex_);
-    const std::int64_t now_utc_us =
-        elapsed_us_ ? epoch_utc_us_ + elapsed_us_() : made_utc_us_.load();
-    SEAWAY_TRY(check_clock(now_utc_us));
+    const std::int64_t made_us = now_utc_us();
+    SEAWAY_TRY(check_clock(made_us));
     if (const Result<void> next = check_next(last_, change); !next)
         return wrong(next.error().message);
-    const std::optional<FileIdentity> log_file = file_identity(path_ + "-wal");
-    if (file_identity(path_) != file_ ||
-        (log_file_ && log_file != log_file_)) // what is written to it nobody would find
-        return wrong("was removed or replaced while this server runs: a restart goes on with what "
-                     "is there then");
+    SEAWAY_TRY(check_there());
     const std::uint64_t sum = sum_of(sum_, change);
     const Result<void> says = say_when_made();
-    const Result<void> written = says ? insert(database_.get(), change, sum, now_utc_us) : says;
+    const Result<void> written = says ? insert(database_.get(), change, sum, made_us) : says;
     if (!written)
         return undone(wrong(written.error().message));
-    log_file_ = log_file_ ? log_file_ : file_identity(path_ + "-wal");
     sum_ = sum;
-    made_utc_us_ = now_utc_us;
     hold(change);
-    empty_log();
+    is_written(made_us);
     return {};
 }
 

@@ -34,6 +34,7 @@ class SqliteJournal final : public Journal {
     using Journal::since;
     Result<std::vector<SeaChange>> since(std::uint32_t epoch, std::size_t most) const override;
     Result<void> append(const SeaChange& change) override;
+    Result<void> note_begun() override;
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return 0; }
     void compare_clocks(std::function<std::int64_t()> elapsed_us) override;
@@ -56,6 +57,9 @@ class SqliteJournal final : public Journal {
     Result<void> read_when_made();
     Result<void> say_when_made();
     void empty_log();
+    void is_written(std::int64_t now_utc_us);
+    std::int64_t now_utc_us() const;
+    Result<void> check_there() const;
     void hold(const SeaChange& last);
     Result<void> check_clock(std::int64_t now_utc_us) const;
     Error wrong(const std::string& why) const;
@@ -79,7 +83,7 @@ class SqliteJournal final : public Journal {
     std::atomic<std::uint32_t> last_epoch_ = 0;
     std::uint64_t sum_ = 0;                     ///< of all changes
     std::function<std::int64_t()> elapsed_us_;  ///< none: it is not said when changes are made
-    std::atomic<std::int64_t> made_utc_us_ = 0; ///< the last one; 0: not known
+    std::atomic<std::int64_t> made_utc_us_ = 0; ///< JournalStanding
     bool says_when_made_ = true;                ///< the file is of layout 2
 };
 

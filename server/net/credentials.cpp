@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <fmt/format.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 
+#include "base/pem_file.h"
 #include "protocol/token_file.h"
 
 namespace seaway::server {
@@ -95,25 +97,37 @@ class Reading {
         else
             fail(read, found.error());
     }
+    /// `taken` says in `error` what is wrong with the text.
+    template <class Taken>
+    bool use(CredentialFile& file, const Result<std::string>& text, const char* expected,
+             const Taken& taken, const boost::system::error_code& error) {
+        if (text)
+            taken(boost::asio::buffer(*text));
+        if (text && !error)
+            return true;
+        fail(file, Error{fmt::format("{} {}: {}; {}", file.option, file.path,
+                                     text ? error.message() : text.error().message, expected)});
+        return false;
+    }
     void certificate() {
         Result<std::shared_ptr<ssl::context>> made = new_context();
         if (!made)
             return fail(made.error());
         const std::shared_ptr<ssl::context> tls = *made;
         boost::system::error_code error;
+        // The text is read here: OpenSSL would wait for a pipe, and ask a terminal for a pass phrase.
         CredentialFile& chain = file("--tls-cert", options_.tls_cert_file);
-        tls->use_certificate_chain_file(chain.path, error);
-        if (error)
-            fail(chain, Error{fmt::format("--tls-cert {}: {}; a PEM certificate chain is expected",
-                                          chain.path, error.message())});
+        const bool has_chain = use(
+            chain, read_pem_file(chain.path), "a PEM certificate chain is expected",
+            [&](const auto& text) { tls->use_certificate_chain(text, error); }, error);
         CredentialFile& key = file("--tls-key", options_.tls_key_file);
-        if (error) // there is nothing that it could be the key of
+        if (!has_chain) // there is nothing that it could be the key of
             return;
-        tls->use_private_key_file(key.path, ssl::context::pem, error);
-        if (error)
-            return fail(key, Error{fmt::format(
-                                 "--tls-key {}: {}; the PEM key of the certificate is expected",
-                                 key.path, error.message())});
+        if (!use(
+                key, read_pem_key_file(key.path), "the PEM key of the certificate is expected",
+                [&](const auto& text) { tls->use_private_key(text, ssl::context::pem, error); },
+                error))
+            return;
         // OpenSSL takes a key of another type than the certificate's, for a certificate that might follow.
         if (SSL_CTX_check_private_key(tls->native_handle()) != 1) {
             ERR_clear_error();

@@ -81,9 +81,10 @@ Result<void> SeaCourse::check_next(const sea::Scene& from, const sea::Scene& to)
     };
     const auto& tiles = first_->realization->cascades;
     if (!std::ranges::equal(waves.cascades, tiles, {}, tile, tile))
-        return Error{fmt::format("explicit waves need other tiles than the {} that run: restart "
-                                 "the server with the other scene",
-                                 tiles.size())};
+        return Error{
+            fmt::format("its explicit or stylised waves need other tiles than the {} that run: "
+                        "restart the server with the other scene",
+                        tiles.size())};
     return {};
 }
 

@@ -133,6 +133,23 @@ TEST(CommandLine, one_of_its_commands_has_to_be_given) {
     EXPECT_EQ(frames, 3);
 }
 
+// Naive: the word stands where an address is expected, and the page of the whole program comes, which has none of its options.
+TEST(CommandLine, help_of_a_command_is_had_by_its_name_alone) {
+    std::string url;
+    int frames = 0;
+    CommandLine line("program", "Does something.");
+    line.option("url", url, "Where").required();
+    line.command("first", "One thing.").option("--frames", frames, "how many");
+    for (const char* help : {"--help", "-h"}) {
+        ::testing::internal::CaptureStdout();
+        const auto next = line.read({"first", help});
+        const std::string printed = ::testing::internal::GetCapturedStdout();
+        ASSERT_TRUE(next) << next.error().message;
+        EXPECT_EQ(*next, CommandLine::Next::leave);
+        EXPECT_NE(printed.find("--frames"), std::string::npos) << printed;
+    }
+}
+
 // As seaway-ctl has it: the word behind the address is a command.
 TEST(CommandLine, a_word_that_is_no_command_is_named_with_the_nearest_wherever_it_stands) {
     std::string url, file;

@@ -266,6 +266,40 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
     EXPECT_EQ(seaway_now_us(nullptr), 0);
 }
 
+// Naive: a size that wrapped is asked of the heap, whose own words come back.
+TEST_F(CInterface, a_count_that_nobody_means_is_refused_by_name) {
+    Sea sea(url);
+    const seaway_point point{1, 2, 3};
+    const double z_m = -1;
+    const std::int64_t time_us = 3;
+    seaway_answer answer{};
+    seaway_terms terms{};
+    seaway_water water{};
+    seaway_below below{};
+    seaway_client* client = sea.handle();
+    for (const std::size_t count : {std::size_t{1} << 32, std::size_t{1} << 58, ~std::size_t{0}}) {
+        const auto refused = [&](const char* call, seaway_code code) {
+            EXPECT_EQ(code, SEAWAY_BAD_ARGUMENT) << call;
+            EXPECT_EQ(seaway_last_error(),
+                      fmt::format("{}: count is {}: it must be 0 to 4294967295", call, count));
+        };
+        refused("seaway_query", seaway_query(client, &point, count, 0, 1, &answer));
+        refused("seaway_hold", seaway_hold(client, &time_us, count, 1));
+        refused("seaway_sample", seaway_sample(client, &point, count, &answer));
+        refused("seaway_sample_as", seaway_sample_as(client, nullptr, &point, count, &answer));
+        refused("seaway_sample_terms",
+                seaway_sample_terms(client, nullptr, &point, count, &terms, sizeof terms));
+        refused("seaway_sample_water",
+                seaway_sample_water(client, nullptr, &point, count, &water, sizeof water));
+        refused("seaway_query_some",
+                seaway_query_some(client, nullptr, &point, count, 0, 1, &answer));
+        refused("seaway_sample_below",
+                seaway_sample_below(client, nullptr, &point, &z_m, count, &below, sizeof below));
+        refused("seaway_query_below",
+                seaway_query_below(client, nullptr, &point, &z_m, count, 1, &below, sizeof below));
+    }
+}
+
 TEST_F(CInterface, a_name_and_a_token_are_as_long_as_a_server_takes) {
     for (const std::size_t bytes : {1024u, 1025u})
         for (const bool token : {false, true}) {

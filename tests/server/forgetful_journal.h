@@ -57,6 +57,11 @@ class ForgetfulJournal final : public Journal {
             throw std::bad_alloc();
         return {};
     }
+    std::atomic<int> begun = 0; ///< seas
+    Result<void> note_begun() override {
+        ++begun;
+        return {};
+    }
     JournalStanding standing() const override {
         const std::scoped_lock lock(mutex_);
         JournalStanding standing = standing_;

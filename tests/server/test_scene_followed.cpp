@@ -95,7 +95,7 @@ TEST(Changes, a_watch_of_the_scene_goes_through_one_without_tiles) {
     const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
     const tests::Output ran = tests::run_command(fmt::format(
         "timeout 40 {}/seaway-query {} --at 3,4 --local --from scene --watch 5 --format csv "
-        "| awk -F, '{{print; fflush()}} $3 > {} {{exit}}'",
+        "| awk -F, '{{print; fflush()}} $3 + 0 > {} {{exit}}'",
         SEAWAY_BIN_DIR, url, end_s + 2));
     EXPECT_EQ(ran.err, "");
     int on_the_way = 0, behind = 0;

@@ -2,6 +2,7 @@
 // The same port with TLS: a client that is bare OpenSSL over a socket.
 #include <array>
 #include <csignal>
+#include <filesystem>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -9,11 +10,13 @@
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
 
 #include "tests/server/net/net_fixture.h"
 #include "tests/support/certificate.h"
+#include "tests/support/read_file.h"
 
 namespace seaway::tests {
 namespace {
@@ -312,6 +315,36 @@ TEST_F(NetTls, a_new_certificate_is_for_new_connections_and_a_broken_one_for_non
                                                               {"--tls-key", ReadAgain::failed}}));
     EXPECT_NE(broken.error().message.find("--tls-key"), std::string::npos);
     EXPECT_EQ(shown(), second);
+}
+
+// Naive: OpenSSL asks whoever started the server for a pass phrase, and waits for a pipe; nothing else is read or ended meanwhile.
+TEST_F(NetTls, a_key_that_needs_a_pass_phrase_or_is_a_pipe_is_refused_at_once) {
+    const std::string key = folder().file("key.pem"), before = read_file(key);
+    const auto why = [&] {
+        const server::NetServer::Reloaded read = net->reload();
+        return read.all ? std::string("taken") : read.all.error().message;
+    };
+    for (const char* encrypted :
+         {"-----BEGIN ENCRYPTED PRIVATE KEY-----\nMIIB\n-----END ENCRYPTED PRIVATE KEY-----\n",
+          "-----BEGIN RSA PRIVATE KEY-----\nProc-Type: 4,ENCRYPTED\n"
+          "DEK-Info: AES-128-CBC,00112233445566778899AABBCCDDEEFF\n\nMIIB\n"
+          "-----END RSA PRIVATE KEY-----\n"}) {
+        folder().write("key.pem", encrypted);
+        EXPECT_EQ(why(),
+                  "--tls-key " + key +
+                      ": is encrypted; a key without a pass phrase is needed; the PEM key of "
+                      "the certificate is expected");
+    }
+    for (const char* name : {"key.pem", "cert.pem"}) {
+        folder().write("key.pem", before);
+        const std::string path = folder().file(name), was = read_file(path);
+        std::filesystem::remove(path);
+        ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+        EXPECT_NE(why().find("is a pipe, a device or a socket"), std::string::npos) << why();
+        std::filesystem::remove(path);
+        folder().write(name, was);
+    }
+    EXPECT_EQ(why(), "taken");
 }
 
 TEST_F(NetTls, a_key_of_another_certificate_is_one_helpful_line) {
