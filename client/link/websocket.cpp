@@ -19,11 +19,11 @@
 #include <fmt/format.h>
 
 #include "base/quiet_thread.h"
-#include "base/text_file.h"
 #include "base/thread_name.h"
 #include "base/undo.h"
 #include "client/link/failure.h"
 #include "client/link/message_stream.h"
+#include "client/link/tls_context.h"
 #include "protocol/limits.h"
 #include "sockets/name_lookup.h"
 #include "sockets/web_socket.h"
@@ -406,24 +406,6 @@ class SocketStream final : public MessageStream {
     std::thread thread_;
 };
 
-Result<std::shared_ptr<asio::ssl::context>> make_tls_context(const WebSocketOptions& options) {
-    auto context = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_client);
-    error_code problem;
-    context->set_options(asio::ssl::context::no_tlsv1 | asio::ssl::context::no_tlsv1_1, problem);
-    context->set_default_verify_paths(problem);
-    if (!options.ca_file.empty()) {
-        const Result<void> regular =
-            check_regular_file(options.ca_file); // OpenSSL waits for a pipe
-        if (regular)
-            context->load_verify_file(options.ca_file, problem);
-        if (!regular || problem)
-            return failed(Failure::bad_argument,
-                          fmt::format("certificates in '{}': {}", options.ca_file,
-                                      regular ? problem.message() : regular.error().message));
-    }
-    return context;
-}
-
 Result<std::unique_ptr<MessageStream>>
 open_stream(const Url& url, const WebSocketOptions& options,
             std::shared_ptr<asio::ssl::context> tls_context) {
@@ -442,7 +424,7 @@ Result<std::unique_ptr<MessageStream>> open_websocket(const Url& url,
     try {
         if (!url.tls)
             return open_stream(url, options, nullptr);
-        Result<std::shared_ptr<asio::ssl::context>> context = make_tls_context(options);
+        Result<std::shared_ptr<asio::ssl::context>> context = tls_context(options.ca_file);
         if (!context)
             return context.error();
         return open_stream(url, options, std::move(*context));
