@@ -2,12 +2,53 @@
 #include "client/rebuilt/gliding_sea.h"
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
 
 #include "client/link/failure.h"
+#include "sea/basics/cascade.h"
 #include "sea/surface/by_time.h"
 
 namespace seaway::client {
 namespace {
+
+/// What its waves are off by in water of another depth: a wave that was rounded moves sideways as one of its length does there. All
+/// waves are rounded alike.
+RebuiltError in_depth(RebuiltError error, const sea::Realization& waves, double depth_m) {
+    double own = 0, there = 0, own_strain = 0, strain_there = 0;
+    for (const sea::CascadeModes& modes : waves.cascades) {
+        const double dk = modes.spec.wavenumber_step_radpm();
+        const auto n = static_cast<std::size_t>(modes.spec.size);
+        for (std::size_t i = 0; i < modes.h0.size(); ++i) {
+            if (modes.h0[i] == std::complex<double>{})
+                continue;
+            const double k =
+                dk * std::hypot(sea::signed_index(static_cast<int>(i % n), modes.spec.size),
+                                sea::signed_index(static_cast<int>(i / n), modes.spec.size));
+            const auto square = [](double x) { return x * x; };
+            const double here = square(sea::orbit_aspect(k, modes.depth_m));
+            const double then = square(sea::orbit_aspect(k, depth_m));
+            own += here;
+            there += then;
+            own_strain += here * k * k;
+            strain_there += then * k * k;
+        }
+    }
+    if (own > 0) {
+        error.displacement_m *= std::sqrt(there / own);
+        error.strain *= std::sqrt(strain_there / own_strain);
+    }
+    return error;
+}
+
+double shallowest_m(const sea::Realization& a, const sea::Realization& b) {
+    double depth_m = std::numeric_limits<double>::infinity();
+    for (const sea::Realization* sea : {&a, &b})
+        for (const sea::CascadeModes& modes : sea->cascades)
+            depth_m = std::min(depth_m, modes.depth_m);
+    return depth_m;
+}
 
 /// The same sea, with notes of phase such that a transition finds `to` to go on where it stands and turns nothing: that
 /// has been done where the waves of `to` were made.
@@ -34,7 +75,9 @@ Result<std::shared_ptr<const GlidingSea>> GlidingSea::create(const protocol::Sea
                                                              const OwnSea& from, const OwnSea& to,
                                                              sea::TimeUs start_us,
                                                              sea::TimeUs end_us, Phases phases) {
-    sea::RealizationPtr before = from.waves_at(start_us), after = to.waves_at(end_us);
+    const sea::RealizationPtr began = from.waves_at(start_us), ends = to.waves_at(end_us);
+    const double depth_m = shallowest_m(*began, *ends);
+    sea::RealizationPtr before = began, after = ends;
     if (phases == Phases::as_sent) {
         const auto later = std::make_shared<sea::Realization>(*after);
         for (sea::CascadeModes& modes : later->cascades)
@@ -46,10 +89,12 @@ Result<std::shared_ptr<const GlidingSea>> GlidingSea::create(const protocol::Sea
         sea::SeaTransition::create(std::move(before), std::move(after), start_us, end_us);
     if (!change)
         return failed(Failure::not_held, change.error().message);
-    // Shares that add up to one of two errors that have nothing to do with each other.
-    const RebuiltError error{std::max(from.error().height_m, to.error().height_m),
-                             std::max(from.error().displacement_m, to.error().displacement_m),
-                             std::max(from.error().strain, to.error().strain)};
+    // Shares that add up to one of two errors that have nothing to do with each other, at the depth where displacements are widest.
+    const RebuiltError a = in_depth(from.error(), *began, depth_m);
+    const RebuiltError b = in_depth(to.error(), *ends, depth_m);
+    const RebuiltError error{std::max(a.height_m, b.height_m),
+                             std::max(a.displacement_m, b.displacement_m),
+                             std::max(a.strain, b.strain)};
     return std::shared_ptr<const GlidingSea>(new GlidingSea(*std::move(change), state, error));
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,9 @@
 
 namespace seaway::client {
 namespace {
+
+/// Half of what the told curvature of a single wave is.
+constexpr double one_wave_bends = 0.5 * std::numbers::sqrt2 / sea::bound_sigmas;
 
 Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Realization& waves) {
     bool same = state.cascades.size() == waves.cascades.size();
@@ -30,7 +34,7 @@ RebuiltSea::RebuiltSea(sea::RealizationPtr waves, const protocol::SeaStateValues
                        const RebuiltError& error, sea::WaveGrowth growth)
     : waves_(std::move(waves)), sum_(waves_, std::move(growth)),
       folds_(sea::fold_search(state.displacement_reach_m, waves_->choppiness, state.rms_strain)),
-      error_(error) {}
+      error_(error), curvature_per_m_(state.curvature_per_m) {}
 
 double RebuiltSea::answer(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
                           std::span<sea::ErrorTerms> terms, std::uint32_t cascades) const {
@@ -63,7 +67,12 @@ void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer,
                            sea::ErrorTerms* terms) const {
     const double sideways = sea::surface_slope(answer) * waves_->choppiness.largest();
     const double inverse_m = answer.error_m + sea::exact_tolerance_m(point);
-    const double waves_m = std::hypot(error_.height_m, sideways * error_.displacement_m);
+    // To first order; and to second what the slope itself is off by, and how far the surface bends over that way. Of a single wave,
+    // whose errors all agree, nothing else is left for these; of its curvature sqrt(2) of five deviations are all.
+    const double moved_m = waves_->choppiness.largest() * error_.displacement_m;
+    const double second_m = moved_m * (sea::bound_sigmas / sea::fold_sigmas * error_.strain +
+                                       one_wave_bends * curvature_per_m_ * moved_m);
+    const double waves_m = std::hypot(error_.height_m, sideways * error_.displacement_m) + second_m;
     answer.error_m = inverse_m + waves_m;
     if (terms != nullptr)
         *terms = answer.flags & sea::answer_invalid

@@ -89,6 +89,7 @@ class RebuiltSea final : public OwnSea {
     const sea::DirectSum sum_;
     sea::FoldSearch folds_;
     RebuiltError error_;
+    double curvature_per_m_; ///< at most
 };
 
 using RebuiltSeaPtr = std::shared_ptr<const RebuiltSea>;

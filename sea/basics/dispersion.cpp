@@ -63,4 +63,11 @@ double orbit_aspect(double k, double depth_m) {
     return kd > deep_kd ? 1.0 : 1.0 / std::tanh(std::max(kd, orbit_kd_min));
 }
 
+double orbit_growth_m(double k_radpm, double depth_m) {
+    const double kd = k_radpm * depth_m;
+    if (kd < orbit_kd_min || orbit_aspect(k_radpm, depth_m) == 1.0)
+        return 0.0;
+    return 2.0 * kd * depth_m / std::sinh(2.0 * kd);
+}
+
 } // namespace seaway::sea

@@ -40,6 +40,8 @@ struct WaveLaw {
 /// above k d = 20. Below orbit_kd_min linear theory has ended and it grows no further, coth(0.05)
 /// = 20.02. k > 0.
 double orbit_aspect(double k_radpm, double depth_m);
+/// By what share it grows for each 1/m that the inverse of the depth does: d ln coth(kd) / d(1/d) = 2 k d^2 / sinh(2 k d). Nothing where it stays as it is.
+double orbit_growth_m(double k_radpm, double depth_m);
 inline constexpr double orbit_kd_min = 0.05;
 
 } // namespace seaway::sea

@@ -48,4 +48,9 @@ inline double glided(double a, double b, double share) {
     return a + share * (b - a);
 }
 
+/// A depth glides by its inverse: deep water is none, and coth(kd) moves without a jump.
+inline double glided_depth_m(double a_m, double b_m, double share) {
+    return a_m == b_m ? a_m : 1.0 / glided(1.0 / a_m, 1.0 / b_m, share);
+}
+
 } // namespace seaway::sea

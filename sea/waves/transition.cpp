@@ -115,20 +115,6 @@ void blend_sines(const CascadeModes& before, double share, CascadeModes& modes) 
     }
 }
 
-/// By its inverse: deep water is none, and coth(kd) moves without a jump.
-double mixed_depth_m(double a_m, double b_m, double share) {
-    return a_m == b_m ? a_m : 1.0 / glided(1.0 / a_m, 1.0 / b_m, share);
-}
-
-/// By what share coth(k d) grows while the inverse of the depth grows by so much: d/d(1/d) of its logarithm is
-/// 2 k d^2 / sinh(2 k d). Nothing where orbit_aspect() stays as it is.
-double orbit_growth(double k_radpm, double depth_m, double per_depth_radpm) {
-    const double kd = k_radpm * depth_m;
-    if (per_depth_radpm == 0.0 || kd < orbit_kd_min || orbit_aspect(k_radpm, depth_m) == 1.0)
-        return 0.0;
-    return 2.0 * kd * depth_m * per_depth_radpm / std::sinh(2.0 * kd);
-}
-
 /// Every mode of the lattice but k = 0.
 template <class F>
 void for_each_lattice_mode(const CascadeSpec& spec, const F& f) {
@@ -234,7 +220,7 @@ RealizationPtr SeaTransition::with_share(double share, std::uint32_t cascades) c
         for (std::size_t i = 0; i < h0.size(); ++i)
             h0[i] = old_h0[i] + share * (h0[i] - old_h0[i]);
         sea->cascades[c].depth_m =
-            mixed_depth_m(fading_->cascades[c].depth_m, growing_->cascades[c].depth_m, share);
+            glided_depth_m(fading_->cascades[c].depth_m, growing_->cascades[c].depth_m, share);
         add_given(fading_->cascades[c], sea->cascades[c]);
         blend_sines(fading_->cascades[c], share, sea->cascades[c]);
     }
@@ -252,7 +238,7 @@ RealizationPtr SeaTransition::growth(TimeUs time_us, std::uint32_t cascades) con
         for (std::size_t i = 0; i < modes.h0.size(); ++i)
             modes.h0[i] -= old_modes.h0[i];
         add_given(old_modes, modes);
-        modes.depth_m = mixed_depth_m(old_modes.depth_m, modes.depth_m, share);
+        modes.depth_m = glided_depth_m(old_modes.depth_m, modes.depth_m, share);
         for (SineField field : old_modes.sines) {
             field.share *= -1.0;
             modes.sines.push_back(std::move(field));
@@ -298,7 +284,7 @@ RealizationPtr SeaTransition::displacement_growth(TimeUs time_us, std::uint32_t 
             1.0 / growing_->cascades[c].depth_m - 1.0 / fading_->cascades[c].depth_m;
         for_each_lattice_mode(modes.spec, [&](double k_radpm, std::size_t i) {
             modes.h0[i] +=
-                waves->cascades[c].h0[i] * orbit_growth(k_radpm, modes.depth_m, per_depth);
+                waves->cascades[c].h0[i] * (per_depth * orbit_growth_m(k_radpm, modes.depth_m));
         });
     }
     return sea;

@@ -124,6 +124,15 @@ RunningSeaPtr make_running_sea(const sea::Scene& scene, std::uint32_t epoch,
                    sea::foam_law_of(scene, *realization), std::move(certificate)});
 }
 
+namespace {
+
+/// All cascades lie over one sea floor.
+double depth_of(const sea::Realization& waves) {
+    return waves.cascades.empty() ? 0.0 : waves.cascades.front().depth_m;
+}
+
+} // namespace
+
 Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, std::uint32_t epoch,
                                  sea::TimeUs start_us, sea::TimeUs end_us) {
     const sea::RealizationPtr then = from.waves_at(start_us);
@@ -140,9 +149,9 @@ Result<RunningSeaPtr> make_glide(const RunningSea& from, const RunningSea& to, s
         glide->foam = std::make_shared<const sea::FoamGlide>(glide->change, foam, to.foam_law);
     }
     const sea::RealizationPtr envelope = glide->change.envelope();
-    sea::ErrorBudget budget =
-        sea::plan_budget(*envelope, to.scene.accuracy.height_error_m,
-                         shorter_intervals(from.budget, to.budget), end_us - start_us);
+    sea::ErrorBudget budget = sea::plan_budget(
+        *envelope, to.scene.accuracy.height_error_m, shorter_intervals(from.budget, to.budget),
+        {end_us - start_us, depth_of(*then), depth_of(*to.realization)});
     // What follows from heights does so in water of one depth. A glide that is cut is somewhere between its two.
     const auto deep_as = [](const sea::CascadeModes& a, const sea::CascadeModes& b) {
         return a.depth_m == b.depth_m;

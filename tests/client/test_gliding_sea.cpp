@@ -8,10 +8,12 @@
 #include "client/rebuilt/gliding_sea.h"
 #include "client/rebuilt/held_glides.h"
 #include "client/rebuilt/wave_keyframes.h"
+#include "sea/basics/dispersion.h"
 #include "sea/waves/quantised_spectrum.h"
 #include "sea/waves/realize.h"
 #include "sea/waves/spectrum_builder.h"
 #include "tests/client/announced_scene.h"
+#include "tests/support/explicit_sea.h"
 
 namespace seaway::client {
 namespace {
@@ -187,6 +189,32 @@ TEST(GlidingSea, answers_of_a_time_are_those_of_its_waves_in_whatever_order_time
         EXPECT_EQ(answers[i].height_m, alone.height_m);
         EXPECT_EQ(answers[i].error_m, alone.error_m);
     }
+}
+
+// Naive: what was stated where a wave was rounded. In two metres of water one of a kilometre moves things twenty times as far sideways
+// as in the deep, its rounding too.
+TEST(GlidingSea, waves_that_were_rounded_in_deep_water_are_as_far_off_as_where_it_is_shallow) {
+    const auto sea_of = [](double depth_m) {
+        sea::CascadeModes modes = tests::calm_cascade(2000.0, 64);
+        modes.depth_m = depth_m;
+        tests::add_wave(modes, 2, 0, 0.3, 0.1);
+        return tests::make_sea({modes});
+    };
+    const protocol::SeaStateValues state = tests::announced();
+    const RebuiltError error{.height_m = 0.01, .displacement_m = 0.01, .strain = 1e-4};
+    const double k = sea::two_pi / 1000, there = sea::orbit_aspect(k, 2.0);
+    for (const bool turned : {false, true}) {
+        const RebuiltSea deep(sea_of(2000), state, turned ? RebuiltError{} : error);
+        const RebuiltSea shallow(sea_of(2), state, turned ? error : RebuiltError{});
+        const auto glide = GlidingSea::create(state, deep, shallow, glide_start_us, glide_end_us);
+        ASSERT_TRUE(glide) << glide.error().message;
+        const RebuiltError stated = (*glide)->error();
+        EXPECT_NEAR(stated.height_m, 0.01, 1e-12);
+        const double wider = turned ? 1 : there / sea::orbit_aspect(k, 2000);
+        EXPECT_NEAR(stated.displacement_m, 0.01 * wider, 1e-6 * wider);
+        EXPECT_NEAR(stated.strain, 1e-4 * wider, 1e-8 * wider);
+    }
+    EXPECT_GT(there, 19);
 }
 
 TEST(GlidingSea, between_seas_of_other_tiles_there_is_none) {

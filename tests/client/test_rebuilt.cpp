@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sea that the client makes of what the server announced is the server's, or is refused.
+#include <algorithm>
+#include <cmath>
 #include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -11,6 +14,7 @@
 #include "sea/scene/scene.h"
 #include "tests/client/announced_scene.h"
 #include "tests/client/wave_server.h"
+#include "tests/support/explicit_sea.h"
 
 namespace seaway::client {
 namespace {
@@ -187,6 +191,42 @@ TEST(Rebuilt, a_sea_is_the_server_s_where_it_is_off_by_more_than_an_answer_may_b
     for (const double deviations : {0.0, 5.5, 7.5, 9.0, 50.0}) {
         state.probes[3].height_m = right_m + deviations * deviation_m;
         EXPECT_EQ(static_cast<bool>(agrees(state, sea)), deviations < 8) << deviations;
+    }
+}
+
+// Naive: to first order, which of many waves leaves room for the rest, and of one none: its height, its slope and how far it moves
+// things are off together.
+TEST(Received, one_wave_that_was_rounded_stays_inside_its_bound_however_steep) {
+    for (const auto& [amplitude_m, choppiness, off_m] :
+         {std::tuple(1.2, 1.9, 0.05), {1.2, 1.0, 0.3}, {0.6, 0.0, 0.1}, {1.5, 1.2, 0.15}}) {
+        const double k = sea::two_pi / 20;
+        const auto sea_of = [&](double is_m) {
+            sea::CascadeModes modes = tests::calm_cascade(100.0, 64);
+            tests::add_wave(modes, 5, 0, is_m, 0.3);
+            const double sideways = choppiness;
+            return tests::make_sea({modes}, {sideways, sideways});
+        };
+        protocol::SeaStateValues state = announced();
+        state.cascades.clear();
+        state.displacement_reach_m = 6 * choppiness * amplitude_m;
+        state.rms_strain = 0.1;
+        state.curvature_per_m = sea::bound_sigmas * amplitude_m * k * k / std::sqrt(2.0);
+        const RebuiltSea truth(sea_of(amplitude_m), state, {});
+        // Smaller by the most that it may be.
+        const RebuiltSea rounded(sea_of(amplitude_m - off_m), state,
+                                 {off_m, off_m, sea::fold_sigmas / sea::bound_sigmas * k * off_m});
+        double worst = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const sea::QueryPoint point{0.01 * i, 0, 1'000'000};
+            sea::Answer is, answer;
+            truth.answer({&point, 1}, {&is, 1}, {});
+            rounded.answer({&point, 1}, {&answer, 1}, {});
+            if ((is.flags | answer.flags) & (sea::answer_folded | sea::answer_open))
+                continue;
+            worst = std::max(worst, std::abs(answer.height_m - is.height_m) / answer.error_m);
+        }
+        EXPECT_LE(worst, 1) << amplitude_m << ' ' << choppiness << ' ' << off_m;
+        EXPECT_GT(worst, 0.7) << "and near it";
     }
 }
 

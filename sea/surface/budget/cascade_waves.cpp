@@ -13,9 +13,10 @@ namespace seaway::sea {
 
 namespace {
 
-/// 2 t x <= c x^2 + t^2 / c for any c. Of the product that counts on both sides already, t's share where it grows.
+/// What time has to count of a product 2 t x, beside its own square, where space counts `own_m2` of it: a place that is a share w of the way from a
+/// sample to the middle of its cell has 2 w t x of it, and w^2 own_m2 from space, so that the most of 2 w slow - w^2 own, 0 <= w <= 1, is left.
 double slow_share_m2(double own_m2, double slow_m2) {
-    return own_m2 > 0 ? slow_m2 * slow_m2 / own_m2 : 0.0;
+    return slow_m2 < own_m2 ? slow_m2 * slow_m2 / own_m2 : 2.0 * slow_m2 - own_m2;
 }
 
 } // namespace
@@ -57,11 +58,13 @@ struct CascadeWaves::Missed {
     }
 };
 
-CascadeWaves::CascadeWaves(const CascadeModes& modes, TimeUs glide_us, int given_cascades)
-    : glide_us_(glide_us), given_cascades_(std::max(given_cascades, 1)),
+CascadeWaves::CascadeWaves(const CascadeModes& modes, const DepthGlide& glide, int given_cascades)
+    : glide_(glide), given_cascades_(std::max(given_cascades, 1)),
       loss_sigmas_(bound_sigmas / std::sqrt(2.0 * given_cascades_)), size_(modes.spec.size),
       compact_size_(size_), spacing_m_(modes.spec.spacing_m()), length_m_(modes.spec.length_m),
       depth_m_(modes.depth_m),
+      by_length_(glide.changes() ? 1 + static_cast<std::size_t>(bins_an_octave * std::log2(size_))
+                                 : 0),
       rings_(static_cast<std::size_t>(size_)) { // the corners are at 0.71 of it
     for (std::size_t i = 0; i < modes.h0.size(); ++i)
         if (modes.h0[i] != std::complex<double>{})
@@ -138,6 +141,9 @@ void CascadeWaves::add(const Wave& wave, Missed (&missed)[3]) {
     count(strain_, missed[2], wave.aspect * k, spline_slope_error);
     curvature_.add(wave.variance_m2 * square(k * k), std::sqrt(2.0 * wave.variance_m2) * k * k,
                    wave.given);
+    if (glide_.changes())
+        by_length_[static_cast<std::size_t>(bins_an_octave * std::log2(wave.index))].add(
+            wave.variance_m2, std::sqrt(2.0 * wave.variance_m2), wave.given);
     Ring& ring = rings_[static_cast<std::size_t>(wave.index)];
     const auto count_ring = [&](WaveSum& sum, double factor) {
         const double part = wave.variance_m2 * square(factor);
@@ -190,9 +196,26 @@ double CascadeWaves::time_rms(const Motion& motion, TimeUs interval_us) const {
 
 double CascadeWaves::missed_in_time(int bin, TimeUs interval_us) const {
     const double u = omega_max_radps_ * (bin + 1) / Motion::bins * seconds_from_us(interval_us);
-    return glide_us_ > 0
-               ? gliding_error(u, static_cast<double>(interval_us) / static_cast<double>(glide_us_))
+    return glide_.us > 0
+               ? gliding_error(u, static_cast<double>(interval_us) / static_cast<double>(glide_.us))
                : hermite_error(u);
+}
+
+CascadeWaves::OrbitsMissed CascadeWaves::orbits_missed(TimeUs interval_us) const {
+    constexpr double margin = 1.2;    // within a bin, and of waves that turn meanwhile
+    constexpr double deep_enough = 8; // coth is 1 to 2e-7
+    WaveSum displacement, strain;
+    for (std::size_t bin = 0; bin < by_length_.size(); ++bin) {
+        const double k = 2.0 * std::numbers::pi / length_m_ *
+                         std::exp2((static_cast<double>(bin) + 0.5) / bins_an_octave);
+        if (by_length_[bin].mean_square_m2() == 0 || k * depth_m_ > deep_enough)
+            continue;
+        const double missed = margin * orbit_error(k, glide_, interval_us);
+        displacement.add(by_length_[bin], missed);
+        strain.add(by_length_[bin], missed * k);
+    }
+    return {std::sqrt(displacement.variance_m2(loss_sigmas_)),
+            std::sqrt(strain.variance_m2(loss_sigmas_))};
 }
 
 Motion::Missed CascadeWaves::in_common(const Motion& motion, TimeUs interval_us) const {
@@ -240,7 +263,7 @@ CascadeWaves::AtMost CascadeWaves::sines_missed(TimeUs interval_us) const {
     double largest_m = 0;
     for (const SineError& sine : sines_) {
         const SineError::Time time =
-            interval_us > 0 ? sine.time(interval_us, glide_us_) : SineError::Time{};
+            interval_us > 0 ? sine.time(interval_us, glide_.us) : SineError::Time{};
         const double time_m = as_rms(time.missed_m);
         const double space_m = as_rms(sine.east_m()) + as_rms(sine.north_m());
         all.time_m += time_m;
@@ -267,6 +290,8 @@ CascadeLoss CascadeWaves::loss(TimeUs interval_us) const {
         return loss;
     };
     CascadeLoss loss{of(height_), of(displacement_)};
+    loss.displacement.time_m =
+        std::hypot(loss.displacement.time_m, orbits_missed(interval_us).displacement_m);
     const Shares with = with_sines(interval_us);
     MapLoss& height = loss.height;
     height.time_m =
@@ -287,7 +312,8 @@ CascadeWaves::SlowLoss CascadeWaves::slow_loss(TimeUs interval_us, TimeUs slow_u
     return {std::sqrt(square(slow_rms(height_, interval_us, slow_us)) + slow.time_m2 +
                       slow_share_m2(own.time_east_m2, slow.time_east_m2) +
                       slow_share_m2(own.time_north_m2, slow.time_north_m2)),
-            slow_rms(displacement_, interval_us, slow_us)};
+            std::hypot(slow_rms(displacement_, interval_us, slow_us),
+                       orbits_missed(slow_us).displacement_m)};
 }
 
 double CascadeWaves::time_costs_m2(TimeUs interval_us, double sideways_weight) const {
@@ -300,7 +326,7 @@ double CascadeWaves::time_costs_m2(TimeUs interval_us, double sideways_weight) c
 }
 
 double CascadeWaves::time_strain_rms(TimeUs interval_us) const {
-    return time_rms(strain_, interval_us);
+    return std::hypot(time_rms(strain_, interval_us), orbits_missed(interval_us).strain);
 }
 
 double CascadeWaves::strain_rms(TimeUs interval_us) const {

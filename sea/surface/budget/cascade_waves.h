@@ -11,6 +11,7 @@
 #include <limits>
 #include <vector>
 
+#include "sea/surface/budget/orbit_error.h"
 #include "sea/surface/budget/sine_error.h"
 #include "sea/surface/map_error.h"
 #include "sea/waves/realization.h"
@@ -71,9 +72,10 @@ bool has_given(const CascadeModes& modes);
 
 class CascadeWaves {
   public:
-    /// Of a steady sea, or of one that glides in so long a time, whose waves are no higher than these. `given_cascades`: so many of the
+    /// Of a steady sea, or of one that glides so, whose waves are no higher than these. `given_cascades`: so many of the
     /// sea has_given().
-    explicit CascadeWaves(const CascadeModes& modes, TimeUs glide_us = 0, int given_cascades = 1);
+    explicit CascadeWaves(const CascadeModes& modes, const DepthGlide& glide = {},
+                          int given_cascades = 1);
 
     /// Losses of this interval; nothing is coded. A spline and Hermite's cubic both make a wave smaller, so that what they miss of one
     /// wave adds up: of (t + x)^2 the halves of 2 t x stand with what each misses alone. So does what is missed of all waves that are
@@ -129,6 +131,12 @@ class CascadeWaves {
     Motion::Missed in_common(const Motion& motion, TimeUs interval_us) const;
     double missed_in_time(int bin, TimeUs interval_us) const;
     double slow_rms(const Motion& motion, TimeUs interval_us, TimeUs slow_us) const;
+    /// Missed between keyframes where the depth glides: of a displacement, and of its gradient.
+    struct OrbitsMissed {
+        double displacement_m = 0;
+        double strain = 0;
+    };
+    OrbitsMissed orbits_missed(TimeUs interval_us) const;
     /// Of heights that are given, at most, as standard deviations.
     struct AtMost {
         double time_m = 0, east_m = 0, north_m = 0;
@@ -145,7 +153,7 @@ class CascadeWaves {
     Shares with_sines(TimeUs interval_us) const;
     double as_rms(double bound_m) const; ///< of what is given
 
-    TimeUs glide_us_;
+    DepthGlide glide_;
     double given_cascades_;
     double given_east_m_ = 0, given_north_m_ = 0; ///< missed of modes that are given, at most
     /// Waves that agree are missed between keyframes and between grid points at once: there the two add up to
@@ -165,6 +173,9 @@ class CascadeWaves {
     double rate_detail_m2ps2_ = 0;
     double length_m_;
     double depth_m_;
+    /// Heights by the length of waves, a bin a twelfth of an octave from the longest of the tile on; where the depth glides.
+    static constexpr int bins_an_octave = 12;
+    std::vector<WaveSum> by_length_;
     /// Of the waves with a lattice index of n up to n + 1.
     struct Ring {
         WaveSum height, displacement, slope, strain;

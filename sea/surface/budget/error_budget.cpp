@@ -119,12 +119,12 @@ void settle(ErrorBudget& budget, std::span<const CascadeWaves> cascades, const S
     budget.bits_per_s = spending.bits_per_s;
 }
 
-std::vector<CascadeWaves> waves_of(const Realization& sea, TimeUs glide_us = 0) {
+std::vector<CascadeWaves> waves_of(const Realization& sea, const DepthGlide& glide = {}) {
     std::vector<CascadeWaves> all;
     all.reserve(sea.cascades.size());
     const auto given = static_cast<int>(std::ranges::count_if(sea.cascades, has_given));
     for (const CascadeModes& modes : sea.cascades)
-        all.emplace_back(modes, glide_us, given);
+        all.emplace_back(modes, glide, given);
     return all;
 }
 
@@ -146,8 +146,8 @@ ErrorBudget plan_budget(const Realization& sea, double height_error_m) {
 }
 
 ErrorBudget plan_budget(const Realization& sea, double height_error_m,
-                        std::span<const TimeUs> intervals_us, TimeUs glide_us) {
-    const std::vector<CascadeWaves> cascades = waves_of(sea, glide_us);
+                        std::span<const TimeUs> intervals_us, const DepthGlide& glide) {
+    const std::vector<CascadeWaves> cascades = waves_of(sea, glide);
     ErrorBudget budget = outline(sea, cascades, height_error_m);
     const double weight = sideways_weight(budget);
     const double all_m2 = left_to_spend(budget, cascades);

@@ -99,9 +99,9 @@ inline constexpr double follows_gain_max = 1.0;
 ErrorBudget plan_budget(const Realization& sea, double height_error_m);
 
 /// Intervals are given, one a cascade; what is left of the budget goes to the codec, a sixteenth of its
-/// variance at least. `glide_us`: of a sea that glides in so long a time, whose waves are at most these; 0: a steady one.
+/// variance at least. `glide`: of a sea that glides so, whose waves are at most these.
 ErrorBudget plan_budget(const Realization& sea, double height_error_m,
-                        std::span<const TimeUs> intervals_us, TimeUs glide_us = 0);
+                        std::span<const TimeUs> intervals_us, const DepthGlide& glide = {});
 
 /// How answers about this sea look for folds.
 FoldSearch fold_search(const ErrorBudget& budget);

@@ -105,9 +105,14 @@ SineError::SineError(const SineField& field, double spacing_m) : field_(field) {
 template <class ErrorAt>
 std::vector<SineError::Met> SineError::met(const ErrorAt& error_at) const {
     std::vector<Met> all;
-    all.reserve(samples_.size());
+    all.reserve(samples_.size() + shares_of_interval.size());
     for (const Sample& s : samples_)
         all.push_back({error_at(s), s});
+    // Where the phases of a list are those that were given: waves of phase 0 all meet there.
+    for (const double share : shares_of_interval) {
+        const Sample origin{0, 0, 0, share};
+        all.push_back({error_at(origin), origin});
+    }
     return all;
 }
 
@@ -177,7 +182,7 @@ double SineError::hermite_error_m(const Sample& s, TimeUs interval_us) const {
 /// all^2 = t^2 + (x + y)^2 + 2 c t (x + y).
 double SineError::agrees(const std::vector<Met>& in_time) const {
     double time_m = 0, space_m = 0, all_m = 0;
-    for (std::size_t i = 0; i < samples_.size(); ++i)
+    for (std::size_t i = 0; i < in_time.size(); ++i)
         for (const double sign : {-1.0, 1.0}) {
             const auto part = [sign](const Met& met) { return std::max(sign * met.error_m, 0.0); };
             const double t = part(in_time[i]), space = part(east_[i]) + part(north_[i]);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is known of the waves of a cascade: every figure of one oblique wave by hand, in shallow water.
 #include <cmath>
+#include <tuple>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "sea/scene/scene.h"
 #include "sea/surface/budget/cascade_waves.h"
 #include "sea/surface/budget/interpolation_laws.h"
 #include "tests/support/explicit_sea.h"
@@ -144,6 +147,34 @@ TEST(CascadeWaves, what_keyframes_and_the_grid_miss_of_one_wave_adds_up) {
     const double longest_s = hermite_phase_max / one.omega;
     EXPECT_TRUE(waves.told_by(us_from_seconds(0.999 * longest_s)));
     EXPECT_FALSE(waves.told_by(us_from_seconds(1.001 * longest_s)));
+}
+
+// Naive: what space counts of a product that nothing counts at the sea's own interval is what rounding left of it, and time is charged
+// with its square over that: bounds of thousands of kilometres.
+TEST(CascadeWaves, fewer_keyframes_of_a_stylised_wave_state_no_more_than_both_together) {
+    for (const auto& [wavelength_m, sharpness, degrees] :
+         {std::tuple(51.2, 10.0, 250), {30.0, 5.0, 20}, {43.0, 3.0, 100}, {25.0, 1.0, 270}}) {
+        const Result<Scene> scene = parse_scene(
+            fmt::format("[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\n"
+                        "length_m = 256\nsharpness = {}\ndata = \"\"\"\n"
+                        "wavelength_m,amplitude_m,from_deg,phase_rad\n{},0.3,{},0.4\n\"\"\"\n"
+                        "[[cascade]]\nlength_m = 256\nsize = 64\n",
+                        sharpness, wavelength_m, degrees),
+            "one.toml");
+        ASSERT_TRUE(scene) << scene.error().message;
+        const Result<Realization> sea = realize(*scene);
+        ASSERT_TRUE(sea);
+        for (const CascadeModes& modes : sea->cascades) {
+            const CascadeWaves waves(modes);
+            for (const TimeUs interval_us : {50'000, 125'000, 250'000})
+                for (int every = 1; every <= 8; ++every) {
+                    const MapLoss both = waves.loss(every * interval_us).height;
+                    EXPECT_LE(waves.slow_loss(interval_us, every * interval_us).height_m,
+                              1.001 * (both.time_m + both.east_m + both.north_m))
+                        << wavelength_m << ' ' << interval_us << ' ' << every;
+                }
+        }
+    }
 }
 
 } // namespace

@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "sea/scene/scene.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/budget/sine_error.h"
 #include "sea/surface/maps/sine_maps.h"
@@ -209,6 +212,48 @@ TEST(SineError, harmonics_that_turn_once_in_half_an_interval_are_counted) {
                       largest_between_m(field, interval_us))
                 << sharpness << " " << interval_us;
         }
+}
+
+// Naive: of 4096 places none is where the waves of a list all meet, which they do where their phases are 0: at the origin.
+TEST(SineError, a_list_of_waves_that_meet_at_its_origin_stays_inside_the_bound_there) {
+    for (const double sharpness : {1.0, 2.0}) {
+        std::string list = "wavelength_m,amplitude_m,from_deg,phase_rad\n";
+        for (int n = 20; n < 60; ++n)
+            list += fmt::format("{},0.02,270,0\n", 1000.0 / n);
+        const Result<Scene> scene =
+            parse_scene(fmt::format("[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\n"
+                                    "length_m = 1000\nsharpness = {}\ndata = \"\"\"\n{}\"\"\"\n"
+                                    "[[cascade]]\nlength_m = 1000\nsize = 256\n",
+                                    sharpness, list),
+                        "list.toml");
+        ASSERT_TRUE(scene) << scene.error().message;
+        const Result<Realization> sea = realize(*scene);
+        ASSERT_TRUE(sea);
+        const CascadeModes& modes = sea->cascades[0];
+        ASSERT_EQ(modes.sines.size(), 1u);
+        const SineError error(modes.sines[0], modes.spec.spacing_m());
+        // Midway between two points of a grid, which may lie anywhere beside the crest that all have made.
+        const auto missed_m = [&](double x_m, TimeUs time_us) {
+            const double spacing_m = modes.spec.spacing_m();
+            double sum = 0;
+            constexpr double pole = -0.2679491924311227; // sqrt(3) - 2
+            const auto coefficient = [&](int m) {
+                return -6 * pole / (1 - pole * pole) * std::pow(pole, std::abs(m));
+            };
+            for (int n = 0; n < 12; ++n)
+                for (const double side : {-1.0, 1.0})
+                    sum += (23.0 / 48 * (coefficient(n) + coefficient(n + 1)) +
+                            1.0 / 48 * (coefficient(n - 1) + coefficient(n + 2))) *
+                           sines_at(modes.sines[0], x_m + side * (n + 0.5) * spacing_m, 0, time_us)
+                               .height;
+            return std::abs(sum - sines_at(modes.sines[0], x_m, 0, time_us).height);
+        };
+        double worst_m = 0;
+        for (int i = -200; i <= 200; ++i)
+            for (const TimeUs time_us : {-500'000, -100'000, 0, 100'000, 500'000})
+                worst_m = std::max(worst_m, missed_m(0.05 * i, time_us));
+        EXPECT_LE(worst_m, error.east_m()) << sharpness;
+    }
 }
 
 } // namespace

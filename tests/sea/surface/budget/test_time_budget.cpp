@@ -11,6 +11,7 @@
 
 #include "sea/basics/glide.h"
 #include "sea/scene/scene.h"
+#include "sea/surface/budget/cascade_waves.h"
 #include "sea/surface/budget/error_budget.h"
 #include "sea/surface/maps/hermite.h"
 #include "tests/sea/warnings_of.h"
@@ -69,6 +70,28 @@ TEST(TimeBudget, of_a_glide_no_more_is_missed_than_is_stated) {
                 EXPECT_GE(bound, hermite_error(omega * interval_s));
             }
     EXPECT_EQ(gliding_error(0.7, 0.0), hermite_error(0.7));
+}
+
+// A wave of a kilometre over a depth that glides from 2 to 200 m moves things by 20 to 1 times its height; given, it counts with all of
+// its amplitude.
+TEST(TimeBudget, of_a_glide_of_depth_displacements_are_missed_by_what_coth_is) {
+    CascadeModes modes = tests::calm_cascade(1000.0, 64);
+    modes.depth_m = 2; // the shallower of the two
+    tests::add_wave(modes, 1, 0, 0.3, 0.1);
+    const double k = two_pi / 1000;
+    const DepthGlide glide{30'000'000, 2, 200};
+    const CascadeWaves deepens(modes, glide), steady(modes);
+    for (const TimeUs interval_us : {200'000, 1'000'000}) {
+        const double missed_m = 0.3 * orbit_error(k, glide, interval_us);
+        const double stated_m = bound_sigmas * deepens.loss(interval_us).displacement.time_m;
+        EXPECT_GE(stated_m, 0.7 * missed_m)
+            << "of one wave that is not given: 5 / sqrt(2) of its rms";
+        EXPECT_LE(stated_m, 8 * missed_m);
+        EXPECT_GT(stated_m, 10 * bound_sigmas * steady.loss(interval_us).displacement.time_m);
+        EXPECT_GT(deepens.time_strain_rms(interval_us), steady.time_strain_rms(interval_us));
+        EXPECT_GE(bound_sigmas * deepens.slow_loss(interval_us, 2 * interval_us).displacement_m,
+                  0.7 * 0.3 * orbit_error(k, glide, 2 * interval_us));
+    }
 }
 
 // Towards a keyframe the error of every wave falls as s^2, whatever its phase step.
