@@ -13,7 +13,7 @@
 #include "client/seaway.hpp"
 #include "client/seaway_engine.h"
 #include "server/net/server.h"
-#include "tests/client/wave_sea.h"
+#include "tests/client/c_interface.h"
 #include "tests/server/net/clients.h"
 #include "tests/support/eventually.h"
 #include "tests/support/metrics_page.h"
@@ -22,22 +22,6 @@ extern "C" seaway_code one_frame_in_c(const char* url, seaway_answer* water);
 
 namespace seaway {
 namespace {
-
-class CInterface : public ::testing::Test {
-  protected:
-    tests::WaveSea sea_served;
-    std::unique_ptr<server::NetServer> net;
-    std::string url;
-
-    void SetUp() override {
-        server::NetOptions options;
-        options.listen = "127.0.0.1:0";
-        auto started = server::NetServer::start(options, sea_served);
-        ASSERT_TRUE(started) << started.error().message;
-        net = std::move(*started);
-        url = net->url();
-    }
-};
 
 TEST_F(CInterface, the_worked_example_of_the_header_works_in_c) {
     seaway_answer water{};
@@ -264,40 +248,6 @@ TEST_F(CInterface, every_argument_is_taken_up_to_its_limit_and_refused_by_name_b
     expect(seaway_sample(sea.handle(), nullptr, 0, nullptr), true, "seaway_sample:");
     EXPECT_EQ(seaway_is_connected(nullptr), 0);
     EXPECT_EQ(seaway_now_us(nullptr), 0);
-}
-
-// Naive: a size that wrapped is asked of the heap, whose own words come back.
-TEST_F(CInterface, a_count_that_nobody_means_is_refused_by_name) {
-    Sea sea(url);
-    const seaway_point point{1, 2, 3};
-    const double z_m = -1;
-    const std::int64_t time_us = 3;
-    seaway_answer answer{};
-    seaway_terms terms{};
-    seaway_water water{};
-    seaway_below below{};
-    seaway_client* client = sea.handle();
-    for (const std::size_t count : {std::size_t{1} << 32, std::size_t{1} << 58, ~std::size_t{0}}) {
-        const auto refused = [&](const char* call, seaway_code code) {
-            EXPECT_EQ(code, SEAWAY_BAD_ARGUMENT) << call;
-            EXPECT_EQ(seaway_last_error(),
-                      fmt::format("{}: count is {}: it must be 0 to 4294967295", call, count));
-        };
-        refused("seaway_query", seaway_query(client, &point, count, 0, 1, &answer));
-        refused("seaway_hold", seaway_hold(client, &time_us, count, 1));
-        refused("seaway_sample", seaway_sample(client, &point, count, &answer));
-        refused("seaway_sample_as", seaway_sample_as(client, nullptr, &point, count, &answer));
-        refused("seaway_sample_terms",
-                seaway_sample_terms(client, nullptr, &point, count, &terms, sizeof terms));
-        refused("seaway_sample_water",
-                seaway_sample_water(client, nullptr, &point, count, &water, sizeof water));
-        refused("seaway_query_some",
-                seaway_query_some(client, nullptr, &point, count, 0, 1, &answer));
-        refused("seaway_sample_below",
-                seaway_sample_below(client, nullptr, &point, &z_m, count, &below, sizeof below));
-        refused("seaway_query_below",
-                seaway_query_below(client, nullptr, &point, &z_m, count, 1, &below, sizeof below));
-    }
 }
 
 TEST_F(CInterface, a_name_and_a_token_are_as_long_as_a_server_takes) {
