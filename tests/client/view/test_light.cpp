@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What light does in the water and in the air, held against the formulas of the shaders' sources.
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "tests/client/view/renderer_fixture.h"
 #include "tests/client/view/sky/sky_files.h"
@@ -403,6 +405,30 @@ TEST_F(LightTest, displacement_fades_where_the_mesh_cannot_carry_it) {
     };
     // A pixel at 50 km covers kilometres: its mean height is the sea level.
     EXPECT_LT(rms_beyond(3000, -4, 50e3), 0.1 * rms_beyond(60, -30, 1));
+}
+
+// Naive: a cascade goes as a whole where cells of the mesh are wider than its grid. Of two waves of one grid, where cells are several of its
+// points: the long one is carried, the short one is averaged away.
+TEST_F(LightTest, a_wave_fades_by_its_own_length_and_not_by_its_grid) {
+    const auto carried = [&](int steps) {
+        SyntheticSea sea(one_wave(2.0, 400, steps, 0, 128)); // points 3 m apart
+        camera_.z_m = 400;
+        camera_.pitch_deg = -20;
+        const Picture place = render(sea.at(0), sky_at_hour(15), DebugView::place);
+        double squares = 0;
+        int count = 0;
+        for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
+            const double distance_m = std::hypot(static_cast<double>(place.rgba[i]),
+                                                 static_cast<double>(place.rgba[i + 1]));
+            const auto height = static_cast<double>(place.rgba[i + 2]);
+            if (distance_m > 1000 && distance_m < 2500)
+                squares += height * height, ++count;
+        }
+        EXPECT_GT(count, 500);
+        return std::sqrt(squares / count) / (2.0 / std::numbers::sqrt2);
+    };
+    EXPECT_GT(carried(1), 0.9);
+    EXPECT_LT(carried(50), 0.1);
 }
 
 } // namespace
