@@ -11,7 +11,8 @@ namespace seaway::sea {
 namespace {
 
 /// Of so many intervals between the first that ends as the glide begins and the last that begins as it ends.
-constexpr int intervals = 64;
+constexpr int intervals = 96;
+constexpr double margin = 1.05; // between those that are tried
 
 /// x: the share of the glide's time that has passed.
 class Orbit {
@@ -32,7 +33,7 @@ class Orbit {
     double missed(double x, double q) const {
         const double a = aspect(x), b = aspect(x + q), da = q * rate(x), db = q * rate(x + q);
         double most = 0;
-        for (const double s : {0.25, 0.5, 0.75}) {
+        for (const double s : {0.2, 0.35, 0.5, 0.65, 0.8}) {
             const double r = 1.0 - s;
             const double cubic = r * r * (1.0 + 2.0 * s) * a + s * s * (1.0 + 2.0 * r) * b +
                                  s * r * (r * da - s * db);
@@ -72,9 +73,9 @@ double orbit_error(double k_radpm, const DepthGlide& glide, TimeUs interval_us) 
     for (int i = 0; i <= intervals; ++i)
         most = std::max(most, orbit.missed(-q + (1.0 + q) * i / intervals, q));
     if (const double kink = orbit.kink(); kink >= 0)
-        for (const double before : {0.2, 0.35, 0.5, 0.65, 0.8})
-            most = std::max(most, orbit.missed(kink - before * q, q));
-    return most;
+        for (int tenths = 1; tenths < 10; ++tenths)
+            most = std::max(most, orbit.missed(kink - 0.1 * tenths * q, q));
+    return margin * most;
 }
 
 } // namespace seaway::sea

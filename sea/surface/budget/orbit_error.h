@@ -17,7 +17,7 @@ struct DepthGlide {
 };
 
 /// By so much Hermite's cubic is off coth(k d) at most, in keyframes that are so far apart and have its rate, wherever in the glide they lie. Cost: some
-/// 600 hyperbolic functions.
+/// 1000 hyperbolic functions.
 double orbit_error(double k_radpm, const DepthGlide& glide, TimeUs interval_us);
 
 } // namespace seaway::sea
