@@ -12,7 +12,7 @@ namespace {
 
 /// Of so many intervals between the first that ends as the glide begins and the last that begins as it ends.
 constexpr int intervals = 96;
-constexpr double margin = 1.05; // between those that are tried
+constexpr double untried = 1.05; // between those that are tried
 
 /// x: the share of the glide's time that has passed.
 class Orbit {
@@ -75,7 +75,7 @@ double orbit_error(double k_radpm, const DepthGlide& glide, TimeUs interval_us) 
     if (const double kink = orbit.kink(); kink >= 0)
         for (int tenths = 1; tenths < 10; ++tenths)
             most = std::max(most, orbit.missed(kink - 0.1 * tenths * q, q));
-    return margin * most;
+    return untried * most;
 }
 
 } // namespace seaway::sea
