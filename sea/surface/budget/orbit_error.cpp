@@ -12,7 +12,7 @@ namespace {
 
 /// Of so many intervals between the first that ends as the glide begins and the last that begins as it ends.
 constexpr int intervals = 96;
-constexpr double untried = 1.05; // between those that are tried
+constexpr double untried = 1.1; // between those that are tried
 
 /// x: the share of the glide's time that has passed.
 class Orbit {
