@@ -101,7 +101,7 @@ constexpr Real stated_error = 1e-13L;
 
 void expect_the_definition(const DirectSum& sum, double x_m, double y_m, TimeUs t) {
     const LagrangianPoint point = sum.at(x_m, y_m, t);
-    const Definition exact(sum.sea(), x_m, y_m, t);
+    const Definition exact(sum.sea(), x_m, y_m, sum.sea().phase_time(t));
     for (const Field field : linear_fields)
         EXPECT_LE(std::abs(value_of(point, field) - exact.value(field)),
                   stated_error * exact.amplitudes(field))
