@@ -49,7 +49,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
                 join(*joining, state);
             joining->told_epoch_max = std::max(joining->told_epoch_max, state->epoch);
             std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
-                if (held->epoch == state->epoch && held->probes != state->probes)
+                if (held->epoch == state->epoch && !same_probes(*held, *state))
                     forget_waves(held->epoch);
                 return held->epoch == state->epoch;
             });

@@ -25,6 +25,12 @@ bool same_tiles(const SeaState& a, const SeaState& b) {
     });
 }
 
+bool same_probes(const SeaState& a, const SeaState& b) {
+    const bool lead =
+        a.glide && b.glide && !a.glide->leads_to.empty() && !b.glide->leads_to.empty();
+    return a.probes == b.probes && (!lead || a.glide->leads_to == b.glide->leads_to);
+}
+
 /// The same wish of a client that brings maps to their own grids.
 protocol::TileWish compact(protocol::TileWish wish) {
     wish.compact = true;

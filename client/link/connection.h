@@ -33,6 +33,8 @@ using SeaState = protocol::SeaStateValues;
 using SeaStatePtr = std::shared_ptr<const SeaState>;
 /// Keyframes of both may be sampled together.
 bool same_tiles(const SeaState& a, const SeaState& b);
+/// By which their waves are known; of a glide where it leads, if both say.
+bool same_probes(const SeaState& a, const SeaState& b);
 
 struct ConnectOptions {
     std::string url{};                                  ///< ws://HOST:PORT or wss://HOST:PORT
