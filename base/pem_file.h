@@ -8,7 +8,7 @@
 
 namespace seaway {
 
-/// Errors as read_text_file(), of one MiB.
+/// Errors as read_text_file(), of 16 MiB.
 Result<std::string> read_pem_file(const std::string& path);
 
 /// Of a private key: one that is encrypted is an error, too.

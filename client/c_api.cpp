@@ -82,8 +82,8 @@ seaway_code seaway_connect(const char* url, const seaway_connect_options* option
             connect.ca_file = text(options->ca_file, "");
             if (options->timeout_s > 0)
                 connect.timeout_s = options->timeout_s;
-            SEAWAY_TRY(in_range("seaway_connect_options.stays_lost", options->stays_lost, 0, 1));
-            SEAWAY_TRY(in_range("seaway_connect_options.threadless", options->threadless, 0, 1));
+            SEAWAY_TRY(is_flag("seaway_connect_options.stays_lost", options->stays_lost));
+            SEAWAY_TRY(is_flag("seaway_connect_options.threadless", options->threadless));
             connect.threadless = options->threadless == 1;
             connect.stays_lost = options->stays_lost == 1;
             SEAWAY_TRY(in_range("seaway_connect_options.look_back_s", options->look_back_s, 0,

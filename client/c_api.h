@@ -102,6 +102,12 @@ inline Result<void> in_range(std::string_view what, double value, double least, 
     return bad(fmt::format("{} is {}: it must be {} to {}", what, value, least, most));
 }
 
+inline Result<void> is_flag(std::string_view what, std::uint32_t value) {
+    if (value <= 1)
+        return {};
+    return bad(fmt::format("{} is {}: it must be 0 or 1", what, value));
+}
+
 /// 0 leaves the choice to the server.
 inline Result<void> unset_or_in_range(std::string_view what, double value, double least,
                                       double most) {

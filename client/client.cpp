@@ -49,7 +49,7 @@ ConnectionEvents Client::connection_events(const JoiningPtr& joining) {
                 join(*joining, state);
             joining->told_epoch_max = std::max(joining->told_epoch_max, state->epoch);
             std::erase_if(sea_states_, [&](const SeaStatePtr& held) {
-                if (held->epoch == state->epoch && !same_probes(*held, *state))
+                if (held->epoch == state->epoch && !same_waves(*held, *state))
                     forget_waves(held->epoch);
                 return held->epoch == state->epoch;
             });
@@ -140,11 +140,15 @@ void Client::take_grant(const Grant& grant) {
 void Client::forget_waves(std::uint32_t epoch) {
     rebuilt_.erase(epoch);
     followed_.erase(epoch);
+    seen_until_us_.erase(epoch);
+    forget_received(epoch);
+}
+
+void Client::forget_received(std::uint32_t epoch) {
     received_.erase(epoch);
     arriving_.erase(epoch);
     glides_.forget(epoch);
     maps_of_waves_.forget(epoch);
-    seen_until_us_.erase(epoch);
 }
 
 std::optional<Error> Client::end() const {

@@ -61,7 +61,7 @@ struct ClientEvents {
     std::function<void(const SeaStatePtr&)> on_sea_state{};
     std::function<void(const HeldKeyframePtr&)> on_keyframe{};
     std::function<void(const Error& reason)> on_closed{}; ///< each time
-    /// Something of it is another than before, but for times that pass. One after the other, the last of them is what is.
+    /// It is another, but for times that pass. One after the other, the last of them is what is.
     std::function<void(const ClientStatus&)> on_status{};
 };
 
@@ -167,8 +167,7 @@ class Client {
 
     /// Fetches the keyframes around these times that are not held, with the fields that sampling needs and those of `also` that
     /// the server offers. Blocks; `timeout_s` is for each request, and within it a server that is busy is asked again. What came to
-    /// the ring first makes room, never what these times need; more times than the ring
-    /// has room for are an error.
+    /// the ring first makes room, never what these times need; more times than the ring has room for are an error.
     Result<void> hold(std::span<const sea::TimeUs> times_us, double timeout_s,
                       sea::FieldSet also = {});
 
@@ -204,8 +203,8 @@ class Client {
     /// mutex_ held: the next attempt is after a pause, or there is none.
     void note_wait(const Error& why);
     void note_attempt(); ///< mutex_ held
-    /// mutex_ held: what was subscribed to is again, or after this pause.
-    std::chrono::duration<double> note_subscribed(const Result<void>& done);
+    std::chrono::duration<double>
+    note_subscribed(const Result<void>& done); ///< again; else the pause
     void keep();
     /// Tries until it is connected, or there is no sense in it, or the client goes. `lock` is of mutex_.
     void come_back(std::unique_lock<std::mutex>& lock, Error why);
@@ -316,13 +315,13 @@ class Client {
     bool to_be_seen(sea::TimeUs time_us) const;
     /// Null: this client has not the waves of that sea; of a glide, not those of both of its ends.
     OwnSeaPtr own_sea(const SeaStatePtr& state) const;
-    /// All of one time, of that sea.
     // client_rebuilds.cpp; rebuilding_ held by the first two
     Result<void> rebuild(const SeaStatePtr& state, int depth);
     Result<OwnSeaPtr> rebuild_before(const SeaStatePtr& glide, int depth);
-    SeaStatePtr
-    to_follow_held() const; ///< a glide that was not looked at yet, mutex_ held; or null
+    SeaStatePtr to_follow_held() const; ///< not looked at yet; null: none. mutex_ held
     void follow(std::unique_lock<std::mutex>& lock, const SeaState& glide);
+    void keep_made(const SeaStatePtr& state, const RebuiltSeaPtr& made);
+    /// All of one time, of that sea.
     Result<void> look_at(std::span<const sea::QueryPoint> points, const Looking& looking,
                          const SeaStatePtr& state, std::span<Water> water) const;
     /// Glides that begin before the one before them has ended.
@@ -347,6 +346,7 @@ class Client {
     void take_waves(ConnectionEvents& events);
     void make_room_for_waves(const SeaState& next); ///< mutex_ held
     void forget_waves(std::uint32_t epoch);         ///< mutex_ held
+    void forget_received(std::uint32_t epoch);      ///< mutex_ held
     /// The sea that runs at a time, its waves if they are here, and until when it does.
     struct SeaThen {
         SeaStatePtr state;
@@ -356,7 +356,7 @@ class Client {
         KnownSea known;
     };
     SeaThen sea_then(sea::TimeUs time_us) const;
-    /// Has what answers of that time take: waves, or a surface. True: of its sea nothing has come yet, and `then` is the one before.
+    /// Has what that time takes: waves, or a surface. True: of its sea nothing has come, `then` is the one before.
     Result<bool> hold_then(SeaThen& then, const KeyframeRing& ring, sea::TimeUs time_us,
                            HeldSurfaces& surfaces, HeldSurfaces::Lent& surface,
                            const Sampling& how) const;
@@ -409,7 +409,7 @@ class Client {
     bool cascades_apart_ = false;
 
     // How it goes on.
-    std::condition_variable changed_; ///< the end of a connection, or of the client
+    std::condition_variable changed_; ///< the end of a connection or of the client, and seas
     std::stop_source leaving_;
     ConnectionPtr connection_;
     JoiningPtr joining_; ///< of connection_

@@ -126,7 +126,7 @@ void Client::keep() {
     std::unique_lock lock(mutex_);
     while (!leaving_.stop_requested()) {
         try {
-            if (const SeaStatePtr glide = to_follow_held()) { // also while there is no line
+            if (const SeaStatePtr glide = to_follow_held()) {
                 follow(lock, *glide);
                 continue;
             }
@@ -296,7 +296,7 @@ std::string Client::why_another(const Joining& joining, const SeaState& state) c
     if (!same_tiles(like, state))
         return "its cascades are others";
     if (found != sea_states_.end() &&
-        (like.start_time_us != state.start_time_us || !same_probes(like, state) ||
+        (like.start_time_us != state.start_time_us || !same_waves(like, state) ||
          like.realised.hs_m != state.realised.hs_m))
         return fmt::format("its waves of epoch {} are others", state.epoch);
     // A journal may have been put back: the first sea that a session is told of is the one that runs, and with it it is told of

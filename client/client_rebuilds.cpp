@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: seas that it makes of the scenes that the server sent, and the changes that begin on them (decision 0037).
 #include <algorithm>
+#include <iterator>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -15,6 +17,8 @@ namespace {
 
 /// Who looks back looks no further than that.
 constexpr TimeUs followed_for_us = 60'000'000;
+/// Seas that are made at once; of a gale 5 to 7 MB each.
+constexpr std::size_t rebuilt_max = 16;
 
 } // namespace
 
@@ -34,12 +38,8 @@ Result<void> Client::rebuild(const SeaStatePtr& state, int depth) {
     const sea::RealizationPtr waves =
         before && *before ? (*before)->waves_at(state->start_time_us) : nullptr;
     const Result<RebuiltSeaPtr> made = rebuild_from_scene(*state, waves.get());
-    if (made) {
-        const std::scoped_lock lock(mutex_);
-        for (const SeaStatePtr& held : sea_states_)
-            if (held == state) // not replaced meanwhile
-                rebuilt_[state->epoch] = *made;
-    }
+    if (made)
+        keep_made(state, *made);
     if (!before) // and where a glide leads may be known all the same
         return before.error();
     return made ? Result<void>() : made.error();
@@ -82,15 +82,41 @@ SeaStatePtr Client::to_follow_held() const {
     return found == sea_states_.end() ? nullptr : *found;
 }
 
+void Client::keep_made(const SeaStatePtr& state, const RebuiltSeaPtr& made) {
+    const std::scoped_lock lock(mutex_);
+    if (std::ranges::find(sea_states_, state) == sea_states_.end()) // replaced meanwhile
+        return;
+    rebuilt_[state->epoch] = made;
+    changed_.notify_all(); // what begins on it may have been announced
+    if (rebuilt_.size() <= rebuilt_max)
+        return;
+    // The furthest from now, from its beginning or from that of the next one.
+    const auto away_us = [this](std::uint32_t epoch) {
+        const auto held = std::ranges::find(sea_states_, epoch, &SeaState::epoch);
+        if (held == sea_states_.end())
+            return std::numeric_limits<double>::infinity();
+        const auto now_us = static_cast<double>(heard_us_);
+        const auto next = std::next(held);
+        const double over_us =
+            next == sea_states_.end() ? 0 : now_us - static_cast<double>((*next)->start_time_us);
+        return std::max({static_cast<double>((*held)->start_time_us) - now_us, over_us, 0.0});
+    };
+    const auto furthest = std::ranges::max_element(rebuilt_, {}, [&](const auto& one) {
+        return one.first == state->epoch ? -1.0 : away_us(one.first);
+    });
+    rebuilt_.erase(furthest);
+}
+
 void Client::follow(std::unique_lock<std::mutex>& lock, const SeaState& glide) {
+    followed_.insert(glide.epoch); // once, whatever comes of it
+    const TimeUs start_us = glide.start_time_us;
     lock.unlock();
-    (void)rebuild(glide.start_time_us); // what cannot be made is answered from tiles, or not at all
+    (void)rebuild(start_us); // what cannot be made is answered from tiles, or not at all
     lock.lock();
-    followed_.insert(glide.epoch);
     // The last that is over is the sea that runs; what led to it goes.
     TimeUs last_us = std::numeric_limits<TimeUs>::min();
     const auto is_over = [&](const SeaStatePtr& state) {
-        return followed_.contains(state->epoch) &&
+        return state->glide && followed_.contains(state->epoch) &&
                state->glide->end_us + followed_for_us < heard_us_;
     };
     for (const SeaStatePtr& state : sea_states_)

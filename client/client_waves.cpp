@@ -71,12 +71,8 @@ void Client::make_room_for_waves(const SeaState& next) {
         const auto with = std::ranges::find(held, epoch, &WavesHeld::epoch);
         (with == held.end() ? beside : with->points) += points_of(*spectrum->state());
     }
-    for (const std::uint32_t epoch : waves_to_let_go(std::move(held), beside)) {
-        auto rebuilt = rebuilt_.extract(epoch); // which needs none of them
-        forget_waves(epoch);
-        if (rebuilt)
-            rebuilt_.insert(std::move(rebuilt));
-    }
+    for (const std::uint32_t epoch : waves_to_let_go(std::move(held), beside))
+        forget_received(epoch);
 }
 
 void Client::take_waves(ConnectionEvents& events) {

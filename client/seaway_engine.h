@@ -174,7 +174,7 @@ seaway_code seaway_get_source(const seaway_client* client, int64_t time_us, seaw
 
 /* Makes the sea of this time from its scene: nothing but the scene and the probes came over the line. Of a sea that changes, where
  * it leads, too, and what it begins with. Changes that come later are followed by themselves, on a thread of the library's, from their
- * announcement on, ten seconds ahead; who is threadless or stays lost calls this again then (the epoch that seaway_sea_at says of ten seconds ahead).
+ * announcement on, a second or more ahead and ten as a rule; one that cannot be made is answered as if nothing were. Who is threadless or stays lost calls this again once there is another epoch ahead (seaway_sea_at of ten seconds ahead).
  * SEAWAY_NOT_HELD: it cannot be made here, is not the server's by the probes, or changes from what is not known here: seaway_hold a
  * time before the change began, and call it again. Blocks for some tenths of a second, asks nobody. */
 seaway_code seaway_rebuild(seaway_client* client, int64_t time_us);

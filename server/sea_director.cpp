@@ -144,11 +144,11 @@ void SeaDirector::run() {
         journal_grew_ = false;
         lock.unlock();
         look_at_clock();
-        note_begun();
         follow_if_there_is_memory();
         lock.lock();
         lock.unlock();
         announce(); // also while wishes keep coming
+        note_begun();
         lock.lock();
         if (asked_.empty()) {
             wake_.wait_for(lock, journal_ && journal_->spread_us() > 0 ? nap_beside_others : nap,

@@ -63,7 +63,7 @@ class SeaDirector {
     void falls_behind();
     Result<void> play(const SeaChange& change);
     Following following() const;
-    /// The journal is to know of each sea that begins, once.
+    /// The journal is to know of each sea that begins, once; where it cannot be written, a minute later.
     void note_begun();
     /// Says that the sea's clock has leapt since the last look.
     void look_at_clock();
@@ -133,6 +133,7 @@ class SeaDirector {
     std::int64_t handed_over_us_ = 0;
     sea::TimeUs leapt_us_ = 0;          ///< all that was told of
     std::uint32_t begun_epoch_ = 0;     ///< that the journal knows of
+    std::int64_t note_again_us_ = 0;    ///< by the steady clock
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     sea::TimeUs soonest_us_ =
         -sea::time_us_max; ///< start of the last change that was to begin as soon as can be

@@ -19,6 +19,8 @@ namespace {
 
 /// Sessions that were sent away are not sent away again for a doubt that comes and goes.
 constexpr std::int64_t hand_overs_apart_us = 30'000'000;
+/// Before a journal that could not be written is told of a sea again.
+constexpr std::int64_t note_pause_us = 60'000'000;
 
 } // namespace
 
@@ -31,11 +33,26 @@ void SeaDirector::falls_behind() {
 }
 
 void SeaDirector::note_begun() {
-    const std::uint32_t epoch = course_->window_at(clock_.now_us()).epoch;
-    if (!journal_ || epoch == begun_epoch_)
+    const SeaMoment moment = clock_.moment();
+    const EpochWindow window = course_->window_at(moment.now_us);
+    if (!journal_ || window.epoch == begun_epoch_ || local_now_us() < note_again_us_)
         return;
-    if (journal_->note_begun()) // else the next look does
-        begun_epoch_ = epoch;
+    // Of a start it began before; after how long, only a sea says that has always run at pace 1.
+    const bool starts = begun_epoch_ == 0;
+    const bool known = !starts || moment.now_us == moment.elapsed_us;
+    try {
+        if (known && window.start_us > 0) {
+            const Result<void> noted =
+                journal_->note_begun(starts ? window.start_us : moment.elapsed_us);
+            if (!noted) {
+                spdlog::warn("event=sea_begin_not_noted why={}", in_quotes(noted.error().message));
+                note_again_us_ = local_now_us() + note_pause_us;
+                return;
+            }
+        }
+        begun_epoch_ = window.epoch;
+    } catch (const std::bad_alloc&) { // the next look does
+    }
 }
 
 void SeaDirector::follow_if_there_is_memory() {

@@ -85,8 +85,7 @@ Result<void> rebuild(Client& client, const QueryOptions& options, sea::TimeUs ti
     const sea::TimeUs before_us = state->start_time_us - 1;
     if (made || !state->glide || client.knows_sea_of(before_us))
         return made;
-    SEAWAY_TRY(client.hold({&before_us, 1}, options.timeout_s));
-    return client.rebuild(time_us);
+    return client.hold({&before_us, 1}, options.timeout_s) ? client.rebuild(time_us) : made;
 }
 
 /// Has the waves of all times here, as far as there are any to be had: seas of scenes are made. Why there are not of all of them.

@@ -25,10 +25,12 @@ bool same_tiles(const SeaState& a, const SeaState& b) {
     });
 }
 
-bool same_probes(const SeaState& a, const SeaState& b) {
-    const bool lead =
-        a.glide && b.glide && !a.glide->leads_to.empty() && !b.glide->leads_to.empty();
-    return a.probes == b.probes && (!lead || a.glide->leads_to == b.glide->leads_to);
+bool same_waves(const SeaState& a, const SeaState& b) {
+    if (a.probes != b.probes || a.glide.has_value() != b.glide.has_value())
+        return false;
+    return !a.glide || (a.glide->end_us == b.glide->end_us &&
+                        (a.glide->leads_to.empty() || b.glide->leads_to.empty() ||
+                         a.glide->leads_to == b.glide->leads_to));
 }
 
 /// The same wish of a client that brings maps to their own grids.

@@ -33,8 +33,8 @@ using SeaState = protocol::SeaStateValues;
 using SeaStatePtr = std::shared_ptr<const SeaState>;
 /// Keyframes of both may be sampled together.
 bool same_tiles(const SeaState& a, const SeaState& b);
-/// By which their waves are known; of a glide where it leads, if both say.
-bool same_probes(const SeaState& a, const SeaState& b);
+/// As far as both say: by probes, and of a glide by its end and by those of where it leads.
+bool same_waves(const SeaState& a, const SeaState& b);
 
 struct ConnectOptions {
     std::string url{};                                  ///< ws://HOST:PORT or wss://HOST:PORT

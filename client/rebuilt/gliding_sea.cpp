@@ -17,6 +17,10 @@ namespace {
 /// waves are rounded alike.
 RebuiltError in_depth(RebuiltError error, const sea::Realization& waves, double depth_m) {
     double own = 0, there = 0, own_strain = 0, strain_there = 0;
+    if (std::ranges::all_of(waves.cascades, [&](const sea::CascadeModes& modes) {
+            return modes.depth_m == depth_m;
+        }))
+        return error;
     for (const sea::CascadeModes& modes : waves.cascades) {
         const double dk = modes.spec.wavenumber_step_radpm();
         const auto n = static_cast<std::size_t>(modes.spec.size);

@@ -103,9 +103,12 @@ class Journal {
     /// before the last one was made, or the last sea begun.
     /// Empty: no more.
     virtual void compare_clocks(std::function<std::int64_t()> elapsed_us) = 0;
-    /// A sea begins, now by the clock of compare_clocks(): where nobody else appends, no change is taken before that either, of a clock
+    /// A sea began so long after the epoch: where nobody else appends, no change is taken before that either, of a clock
     /// that is behind after a start. Durable, as append(). Else it says nothing.
-    virtual Result<void> note_begun() { return {}; }
+    virtual Result<void> note_begun(std::int64_t elapsed_us) {
+        (void)elapsed_us;
+        return {};
+    }
     /// The server stops: what waits for the log, and what is asked of it from now on, ends within some 2 s, with an error where nobody is
     /// connected to it. What is held stays.
     virtual void connect_no_more() = 0;

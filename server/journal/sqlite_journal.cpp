@@ -333,10 +333,6 @@ void SqliteJournal::is_written(std::int64_t now_utc_us) {
     empty_log();
 }
 
-std::int64_t SqliteJournal::now_utc_us() const {
-    return elapsed_us_ ? epoch_utc_us_ + elapsed_us_() : made_utc_us_.load();
-}
-
 /// What is written to a file that is gone nobody would find.
 Result<void> SqliteJournal::check_there() const {
     if (file_identity(path_) == file_ && (!log_file_ || file_identity(path_ + "-wal") == log_file_))
@@ -346,9 +342,9 @@ Result<void> SqliteJournal::check_there() const {
 }
 
 /// Beside the last change: none is made before it anyway. A file of layout 1 stays one until it is changed.
-Result<void> SqliteJournal::note_begun() {
+Result<void> SqliteJournal::note_begun(std::int64_t elapsed_us) {
     const std::scoped_lock lock(mutex_);
-    const std::int64_t begun_us = now_utc_us();
+    const std::int64_t begun_us = epoch_utc_us_ + elapsed_us;
     if (!says_when_made_ || begun_us <= made_utc_us_)
         return {};
     SEAWAY_TRY(check_there());
@@ -360,7 +356,7 @@ Result<void> SqliteJournal::note_begun() {
 
 Result<void> SqliteJournal::append(const SeaChange& change) {
     const std::scoped_lock lock(mutex_);
-    const std::int64_t made_us = now_utc_us();
+    const std::int64_t made_us = elapsed_us_ ? epoch_utc_us_ + elapsed_us_() : made_utc_us_.load();
     SEAWAY_TRY(check_clock(made_us));
     if (const Result<void> next = check_next(last_, change); !next)
         return wrong(next.error().message);

@@ -34,7 +34,7 @@ class SqliteJournal final : public Journal {
     using Journal::since;
     Result<std::vector<SeaChange>> since(std::uint32_t epoch, std::size_t most) const override;
     Result<void> append(const SeaChange& change) override;
-    Result<void> note_begun() override;
+    Result<void> note_begun(std::int64_t elapsed_us) override;
     JournalStanding standing() const override;
     std::int64_t spread_us() const override { return 0; }
     void compare_clocks(std::function<std::int64_t()> elapsed_us) override;
@@ -58,7 +58,6 @@ class SqliteJournal final : public Journal {
     Result<void> say_when_made();
     void empty_log();
     void is_written(std::int64_t now_utc_us);
-    std::int64_t now_utc_us() const;
     Result<void> check_there() const;
     void hold(const SeaChange& last);
     Result<void> check_clock(std::int64_t now_utc_us) const;

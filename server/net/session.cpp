@@ -326,12 +326,6 @@ void Session::deliver(const Delivery& streamed) {
     const EncodedKeyframe& keyframe = *streamed.keyframe;
     if (!subscription_ || closing_ || !takes(keyframe))
         return;
-    // A keyframe computed for an earlier plan may lack what this session was granted: half a
-    // keyframe is of no use to it.
-    const sea::FieldSet fields = subscription_->granted.fields;
-    if (!keyframe.fields.contains(fields) ||
-        !keyframe.follows.contains(subscription_->granted.follows))
-        return;
     or_drop([&] {
         if (streamed.sea_state != nullptr && !was_told(streamed.sea_state))
             announce(streamed.sea_state);
@@ -339,6 +333,12 @@ void Session::deliver(const Delivery& streamed) {
             return;
         if (core_.host.sea_time_us() >= subscription_->granted.until_us)
             renew_grant();
+        // A keyframe computed for an earlier plan may lack what this session was granted: half a
+        // keyframe is of no use to it.
+        const sea::FieldSet fields = subscription_->granted.fields;
+        if (!keyframe.fields.contains(fields) ||
+            !keyframe.follows.contains(subscription_->granted.follows))
+            return;
         outbox_.push_keyframe(streamed.keyframe, fields, streamed.file);
         link_.send_more();
     });

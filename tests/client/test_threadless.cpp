@@ -346,7 +346,7 @@ TEST_F(Threadless, that_finds_no_server_says_why) {
               std::string::npos);
     made.threadless = 2;
     EXPECT_NE(refusal(seaway_connect(url.c_str(), &made, &client))
-                  .find("threadless is 2: it must be 0 to 1"),
+                  .find("threadless is 2: it must be 0 or 1"),
               std::string::npos);
     EXPECT_EQ(client, nullptr);
 }

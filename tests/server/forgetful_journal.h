@@ -58,7 +58,7 @@ class ForgetfulJournal final : public Journal {
         return {};
     }
     std::atomic<int> begun = 0; ///< seas
-    Result<void> note_begun() override {
+    Result<void> note_begun(std::int64_t) override {
         ++begun;
         return {};
     }

@@ -25,17 +25,21 @@ TEST(Changes, of_one_that_is_under_way_a_kill_leaves_all_or_nothing) {
     };
     std::mt19937 random(7);
     double old_m = 0, new_m = 0;
+    std::chrono::steady_clock::duration takes{}; ///< a change, its program's start and end included
     for (int round = 0; round <= 12; ++round) {
         const std::string folder = tests::folder().fresh("killed_on_the_way");
         Said said{-1, ""};
         {
             tests::ServerProcess server(arguments(folder));
             const std::string url = server.wait_until_ready();
+            const auto begun = std::chrono::steady_clock::now();
             std::thread changing([&] { said = ctl(url, set); });
-            if (round > 0)
-                std::this_thread::sleep_for(std::chrono::milliseconds(random() % 60));
-            else
-                changing.join(); // a server that is let live tells what there may be
+            if (round > 0) { // before, within and a little after
+                std::this_thread::sleep_for(takes * (random() % 120) / 100);
+            } else {
+                changing.join(); // a server that is let live tells what there may be, and how soon
+                takes = std::chrono::steady_clock::now() - begun;
+            }
             if (round > 0) {
                 server.send(SIGKILL);
                 EXPECT_TRUE(server.wait_for_exit(std::chrono::seconds(10)));

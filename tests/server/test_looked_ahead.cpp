@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A client that has asked about a sea before everybody is told of it.
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "client/client.h"
 #include "tests/server/change_bench.h"
+#include "tests/support/eventually.h"
 #include "tests/support/read_file.h"
 
 namespace seaway::changes {
@@ -19,17 +23,22 @@ std::string calm_until(double at_s) {
                        at_s);
 }
 
-/// Of keyframes or waves that came, now.
+/// Of keyframes or waves that came, now; on a busy machine some come late.
 void expect_now(Client& client, const char* whose) {
     std::vector<sea::QueryPoint> points;
-    for (int place = 0; place < 20; ++place)
-        points.push_back({31.0 * place, -17.0 * place, client.now_us() - 100'000});
-    const auto own = client.sample(points);
-    ASSERT_TRUE(own) << whose << ": " << own.error().message;
+    Result<std::vector<sea::Answer>> own = Error{"nothing has come"};
+    ASSERT_TRUE(tests::eventually([&] {
+        points.clear();
+        for (int place = 0; place < 20; ++place)
+            points.push_back({31.0 * place, -17.0 * place, client.now_us() - 100'000});
+        own = client.sample(points);
+        return own && std::ranges::none_of(*own, [](const sea::Answer& answer) {
+                   return (answer.flags & sea::answer_extrapolated) != 0;
+               });
+    })) << whose;
     const auto exact = client.ask(points, {.exact = true, .timeout_s = 60});
     ASSERT_TRUE(exact) << whose << ": " << exact.error().message;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        EXPECT_EQ((*own)[i].flags & sea::answer_extrapolated, 0u) << whose;
         EXPECT_LE(std::abs((*own)[i].height_m - (*exact)[i].height_m),
                   (*own)[i].error_m + (*exact)[i].error_m)
             << whose;
@@ -39,7 +48,7 @@ void expect_now(Client& client, const char* whose) {
 // Naive: who has been sent the state of a sea, for a question about it, is not told of it when it comes: neither does what was
 // granted follow it, so that keyframes are sent which lack half of it, nor do its waves come.
 TEST(Changes, who_looked_ahead_at_a_sea_is_served_it_like_others) {
-    constexpr double at_s = 16;
+    constexpr double at_s = 30;
     tests::ServerProcess server(natively("soon.toml", calm_until(at_s)));
     const std::string url = server.wait_until_ready();
     const auto tiles = connect(url), waves = connect(url);

@@ -97,6 +97,16 @@ TEST_F(Director, one_of_its_own_that_was_written_before_there_was_no_memory_is_p
 
 // Naive: a change begins the later the longer it takes to be made, so that one that is asked for behind it, and made sooner, begins
 // before it: it would be lost.
+// Naive: of what begins by itself the journal knows nothing, and a clock that is behind after a start takes over from it.
+TEST_F(Director, the_journal_is_told_of_each_sea_that_begins) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500)); // a look or two
+    EXPECT_EQ(journal.begun, 0) << "the first sea has run for ever";
+    const Result<SeaPromise> promise = asked(wish());
+    ASSERT_TRUE(promise) << promise.error().message;
+    ASSERT_TRUE(tests::eventually([&] { return journal.begun == 1; }));
+    EXPECT_GE(clock.now_us(), promise->start_us);
+}
+
 TEST_F(Director, changes_begin_in_the_order_in_which_they_were_asked_for) {
     const Result<SeaPromise> first = asked(long_made()), second = asked(wish());
     ASSERT_TRUE(first) << first.error().message;

@@ -63,8 +63,7 @@ TEST(WhenMade, nothing_is_taken_while_the_clock_is_before_the_last_sea_that_bega
     std::int64_t elapsed_us = 100'000'000;
     auto journal = open(folder, elapsed_us);
     ASSERT_TRUE(journal->append(change(2)));
-    elapsed_us = 900'000'000;
-    ASSERT_TRUE(journal->note_begun());
+    ASSERT_TRUE(journal->note_begun(900'000'000));
     for (const bool again : {false, true}) {
         if (again) {
             journal.reset();
@@ -73,7 +72,7 @@ TEST(WhenMade, nothing_is_taken_while_the_clock_is_before_the_last_sea_that_bega
         EXPECT_EQ(journal->standing().made_utc_us, beginning.epoch_utc_us + 900'000'000);
         EXPECT_EQ(journal->since(0).value().size(), 2u) << "and no change";
         elapsed_us = 899'999'999;
-        EXPECT_TRUE(journal->note_begun());
+        EXPECT_TRUE(journal->note_begun(elapsed_us)) << "nothing new";
         const Result<void> refused = journal->append(change(3));
         ASSERT_FALSE(refused) << again;
         EXPECT_TRUE(refused.error().is(JournalError::clock_behind)) << refused.error().message;
@@ -92,7 +91,7 @@ TEST(WhenMade, a_file_that_did_not_say_is_read_and_says_so_from_the_next_change_
                   "PRAGMA wal_checkpoint(TRUNCATE)");
     const std::string before = tests::read_file(path);
     ASSERT_EQ(before[63], 1);
-    EXPECT_TRUE(open(folder, elapsed_us)->note_begun());
+    EXPECT_TRUE(open(folder, elapsed_us)->note_begun(200'000'000));
     EXPECT_EQ(tests::read_file(path), before)
         << "who only looks leaves it to the version that wrote it";
     elapsed_us = 5;
