@@ -47,7 +47,7 @@ TEST(Changes, who_made_the_sea_of_its_scene_follows_by_itself_and_so_can_who_com
         EXPECT_EQ(said.code, 0) << said.words;
         return std::pair(number(said.words, "start_s"), number(said.words, "end_s"));
     };
-    const auto [start_s, end_s] = set("sea.depth_m=25", "40s");
+    const auto [start_s, end_s] = set("sea.depth_m=25", "2m");
     ASSERT_TRUE(tests::eventually([&] { return makes(*client, start_s + 1); }));
     const auto points =
         points_at({start_s - 500, start_s - 0.001, start_s + 0.5, start_s + 20, end_s - 0.001});
