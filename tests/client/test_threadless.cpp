@@ -8,6 +8,7 @@
 #include <poll.h>
 
 #include "tests/client/engine.h"
+#include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
 
 extern "C" seaway_code one_answer_without_threads_in_c(const char* url, seaway_answer* water);
@@ -52,6 +53,8 @@ TEST_F(Threadless, makes_no_thread_whatever_it_is_asked) {
         const Sea with("ws://localhost:" + std::to_string(net->port()));
         EXPECT_GT(threads(), before) << "threads are seen where there are some";
     }
+    // One that was joined stands in /proc for a moment.
+    ASSERT_TRUE(tests::eventually([&] { return threads() == before; }));
     const std::vector<seaway_point> points = places(10);
     Sea client("ws://localhost:" + std::to_string(net->port()), options());
     EXPECT_EQ(threads(), before) << "the name was looked up, too";
