@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: seas that it makes of the scenes that the server sent, and the changes that begin on them (decision 0037).
 #include <algorithm>
-#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
 
 #include "client/client.h"
 #include "client/link/failure.h"
+#include "client/wave_room.h"
 
 namespace seaway::client {
 
@@ -90,19 +90,8 @@ void Client::keep_made(const SeaStatePtr& state, const RebuiltSeaPtr& made) {
     changed_.notify_all(); // what begins on it may have been announced
     if (rebuilt_.size() <= rebuilt_max)
         return;
-    // The furthest from now, from its beginning or from that of the next one.
-    const auto away_us = [this](std::uint32_t epoch) {
-        const auto held = std::ranges::find(sea_states_, epoch, &SeaState::epoch);
-        if (held == sea_states_.end())
-            return std::numeric_limits<double>::infinity();
-        const auto now_us = static_cast<double>(heard_us_);
-        const auto next = std::next(held);
-        const double over_us =
-            next == sea_states_.end() ? 0 : now_us - static_cast<double>((*next)->start_time_us);
-        return std::max({static_cast<double>((*held)->start_time_us) - now_us, over_us, 0.0});
-    };
     const auto furthest = std::ranges::max_element(rebuilt_, {}, [&](const auto& one) {
-        return one.first == state->epoch ? -1.0 : away_us(one.first);
+        return one.first == state->epoch ? -1.0 : away_us(sea_states_, heard_us_, one.first);
     });
     rebuilt_.erase(furthest);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Client: whose waves it has, and what sea follows of them.
 #include <algorithm>
-#include <iterator>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -50,22 +48,10 @@ bool has_ended_by(const SeaState& glide, TimeUs time_us) {
 } // namespace
 
 void Client::make_room_for_waves(const SeaState& next) {
-    // From its beginning to that of the next; 0: it runs.
-    const auto away_us = [&](std::uint32_t epoch) {
-        const auto state =
-            std::ranges::find(sea_states_, epoch, &SeaState::epoch); // by their beginning
-        if (state == sea_states_.end())
-            return std::numeric_limits<double>::infinity();
-        const auto now_us = static_cast<double>(heard_us_);
-        const double to_come_us = static_cast<double>((*state)->start_time_us) - now_us;
-        const auto after = std::next(state);
-        const double over_us =
-            after == sea_states_.end() ? 0 : now_us - static_cast<double>((*after)->start_time_us);
-        return std::max({to_come_us, over_us, 0.0});
-    };
     std::vector<WavesHeld> held;
     for (const auto& [epoch, spectrum] : received_)
-        held.push_back({epoch, points_of(*spectrum->state()), away_us(epoch)});
+        held.push_back(
+            {epoch, points_of(*spectrum->state()), away_us(sea_states_, heard_us_, epoch)});
     std::size_t beside = points_of(next);
     for (const auto& [epoch, spectrum] : arriving_) {
         const auto with = std::ranges::find(held, epoch, &WavesHeld::epoch);

@@ -6,8 +6,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "client/link/connection.h"
+#include "sea/basics/time.h"
 #include "sea/waves/spectrum_builder.h"
 
 namespace seaway::client {
@@ -23,6 +26,10 @@ struct WavesHeld {
     std::size_t points; ///< that are free again without it
     double away_us;     ///< from now to when its sea runs; 0: it does; infinite: never
 };
+
+/// From now to when the sea of `epoch` runs, in microseconds: to its beginning, or since that of the next one.
+/// 0: it runs; infinite: none of these states, in the order of their beginning, is of that epoch.
+double away_us(std::span<const SeaStatePtr> by_start, sea::TimeUs now_us, std::uint32_t epoch);
 
 /// The epochs that go, the furthest from now first, until no more than `points_max` are left with the
 /// `points_beside` of the next and of those that stay. None where there is room; all where there is none without them.

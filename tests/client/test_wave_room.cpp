@@ -3,6 +3,8 @@
 #include "client/wave_room.h"
 
 #include <limits>
+#include <memory>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,6 +23,24 @@ TEST(WaveRoom, is_800_mb_of_points_of_an_amplitude_and_a_frequency) {
               wave_point_bytes);
     EXPECT_LT(wave_points_max * wave_point_bytes, 810'000'000u);
     EXPECT_GT(wave_points_max * wave_point_bytes, 790'000'000u) << "what docs/security.md says";
+}
+
+TEST(WaveRoom,
+     a_sea_is_as_far_as_its_beginning_or_that_of_the_next_and_at_no_distance_while_it_runs) {
+    const auto from = [](std::uint32_t epoch, sea::TimeUs start_time_us) {
+        auto state = std::make_shared<SeaState>();
+        state->epoch = epoch;
+        state->start_time_us = start_time_us;
+        return state;
+    };
+    const std::vector<SeaStatePtr> seas{from(7, 0), from(3, 100),
+                                        from(5, 250)}; // not by their number
+    EXPECT_EQ(away_us(seas, 130, 7), 30) << "over since";
+    EXPECT_EQ(away_us(seas, 130, 3), 0) << "it runs";
+    EXPECT_EQ(away_us(seas, 130, 5), 120) << "to come";
+    EXPECT_EQ(away_us(seas, 1000, 5), 0) << "the last has no end";
+    EXPECT_EQ(away_us(seas, 130, 4), std::numeric_limits<double>::infinity())
+        << "nobody told of it";
 }
 
 TEST(WaveRoom, lets_nothing_go_while_there_is_some) {

@@ -236,6 +236,24 @@ struct Glow {
     double trough;
 };
 
+/// What `of` says of a pixel, on average on crests and in troughs of a wave of 2 m.
+template <class Of>
+Glow on_average(const Picture& place, const Of& of) {
+    double sums[2] = {0, 0};
+    int counts[2] = {0, 0};
+    for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
+        const float height = place.rgba[i + 2];
+        if (std::abs(height) < 1.8f)
+            continue;
+        const int which = height > 0 ? 0 : 1;
+        sums[which] += static_cast<double>(of(i));
+        ++counts[which];
+    }
+    EXPECT_GT(counts[0], 100);
+    EXPECT_GT(counts[1], 100);
+    return Glow{sums[0] / counts[0], sums[1] / counts[1]};
+}
+
 TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_not) {
     SyntheticSea sea(one_wave(2.0, 100, 4));
     const SeaFrame frame = sea.at(0);
@@ -246,20 +264,9 @@ TEST_F(LightTest, crests_glow_where_the_sun_shines_through_them_and_troughs_do_n
         camera_.yaw_deg = yaw_deg;
         const Picture place = render(frame, sky, DebugView::place);
         const Picture picture = render(frame, sky, DebugView::final, {.air = false});
-        double sums[2] = {0, 0};
-        int counts[2] = {0, 0};
-        for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
-            const float height = place.rgba[i + 2];
-            if (std::abs(height) < 1.8f)
-                continue;
-            const int which = height > 0 ? 0 : 1;
-            // Green beyond what red has: the sky is nearly the same in both, the water is not.
-            sums[which] += static_cast<double>(picture.rgba[i + 1] - picture.rgba[i]);
-            ++counts[which];
-        }
-        EXPECT_GT(counts[0], 100);
-        EXPECT_GT(counts[1], 100);
-        return Glow{sums[0] / counts[0], sums[1] / counts[1]};
+        // Green beyond what red has: the sky is nearly the same in both, the water is not.
+        return on_average(place,
+                          [&](std::size_t i) { return picture.rgba[i + 1] - picture.rgba[i]; });
     };
     const Glow towards = green(bearing_of_sun_deg(sky));
     const Glow away = green(bearing_of_sun_deg(sky) + 180);
@@ -284,21 +291,10 @@ TEST_F(LightTest, the_tint_by_height_is_of_crests_alone) {
     const Picture place = render(high, sky, DebugView::place);
     const Picture some = render(high, sky, DebugView::final, {.air = false});
     const Picture more = render(low, sky, DebugView::final, {.air = false});
-    double green[2] = {0, 0};
-    int counts[2] = {0, 0};
-    for (std::size_t i = 0; i < place.rgba.size(); i += 4) {
-        const float height = place.rgba[i + 2];
-        if (std::abs(height) < 1.8f)
-            continue;
-        const int which = height > 0 ? 0 : 1;
-        green[which] += static_cast<double>(more.rgba[i + 1] - some.rgba[i + 1]);
-        ++counts[which];
-    }
-    ASSERT_GT(counts[0], 100);
-    ASSERT_GT(counts[1], 100);
-    const double crest = green[0] / counts[0], trough = green[1] / counts[1];
-    EXPECT_GT(crest, 0.05);
-    EXPECT_LT(std::abs(trough), 0.3 * crest) << "that the mesh is another one";
+    const Glow greener =
+        on_average(place, [&](std::size_t i) { return more.rgba[i + 1] - some.rgba[i + 1]; });
+    EXPECT_GT(greener.crest, 0.05);
+    EXPECT_LT(std::abs(greener.trough), 0.3 * greener.crest) << "that the mesh is another one";
 }
 
 // Towards a low sun, at one height of one wave: the face that leans away from it has the sun behind it, the other has it in
