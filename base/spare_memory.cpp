@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/spare_memory.h"
 
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 
@@ -12,14 +13,16 @@
 namespace seaway {
 namespace {
 
-bool is_compiler(const dl_phdr_info& library) {
-    return library.dlpi_name != nullptr && std::strstr(library.dlpi_name, "/libLLVM") != nullptr;
+/// The compiler of kernels; or a driver, each of which was asked what devices it has.
+bool is_of(const dl_phdr_info& library, bool drivers) {
+    return library.dlpi_name != nullptr &&
+           std::strstr(library.dlpi_name, drivers ? "/libvulkan_" : "/libLLVM") != nullptr;
 }
 
 /// Of what nobody writes to: in memory there is what the file has. Tables that were relocated are not among them, since they
 /// lie in a segment that is writable until then.
-int give_back_code(dl_phdr_info* library, std::size_t, void*) {
-    if (!is_compiler(*library))
+int give_back_code(dl_phdr_info* library, std::size_t, void* drivers_too) {
+    if (!is_of(*library, false) && !(drivers_too && is_of(*library, true)))
         return 0;
     const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
     for (int i = 0; i < library->dlpi_phnum; ++i) {
@@ -36,8 +39,11 @@ int give_back_code(dl_phdr_info* library, std::size_t, void*) {
 } // namespace
 
 void give_back_spare_memory() {
+    static std::atomic<bool> drivers_too =
+        true; // once: what the one in use needs comes back for good
     ::malloc_trim(0);
-    ::dl_iterate_phdr(give_back_code, nullptr);
+    bool first = drivers_too.exchange(false);
+    ::dl_iterate_phdr(give_back_code, first ? &first : nullptr);
 }
 
 } // namespace seaway

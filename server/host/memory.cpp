@@ -28,7 +28,8 @@ std::size_t Memory::default_bytes(const MemoryNeeds& needs) {
     return std::max(bytes_default, sum(needs) + bytes_default / 3);
 }
 
-Memory::Memory(std::size_t bytes, const MemoryNeeds& needs) : bytes_(bytes) {
+Memory::Memory(std::size_t bytes, const MemoryNeeds& needs, std::chrono::milliseconds trims_every)
+    : bytes_(bytes), trims_every_(trims_every) {
     SEAWAY_CHECK(bytes >= sum(needs), "a budget of memory has room for one of each");
     const std::size_t left = bytes - sum(needs);
     for (std::size_t i = 0; i < memory_uses; ++i)

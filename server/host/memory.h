@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -104,19 +105,23 @@ class Memory {
     static std::size_t default_bytes(const MemoryNeeds& needs);
 
     /// Shares add up to `bytes`, which is at least least_bytes(needs).
-    explicit Memory(std::size_t bytes = bytes_default, const MemoryNeeds& needs = {});
+    explicit Memory(std::size_t bytes = bytes_default, const MemoryNeeds& needs = {},
+                    std::chrono::milliseconds trims_every = std::chrono::milliseconds(500));
 
     std::size_t bytes() const { return bytes_; }
     const std::shared_ptr<Room>& room(MemoryUse use) const {
         return rooms_[static_cast<std::size_t>(use)];
     }
     std::size_t share(MemoryUse use) const { return room(use)->bytes_max(); }
+    /// Keyframes that nobody has used for one to two of these are let go, and so are maps whose spline alone was used.
+    std::chrono::milliseconds trims_every() const { return trims_every_; }
 
     /// Prometheus text, names seaway_memory_*: what each use holds, has held at most and may hold.
     std::string metrics_text() const;
 
   private:
     const std::size_t bytes_;
+    const std::chrono::milliseconds trims_every_;
     std::array<std::shared_ptr<Room>, memory_uses> rooms_;
 };
 

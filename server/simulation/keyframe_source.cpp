@@ -35,10 +35,14 @@ KeyframeSource::KeyframeSource(SeaCoursePtr course, std::unique_ptr<RebuiltSynth
       costs_(cascade_sizes(*course_->first())) {}
 
 Holding KeyframeSource::holding(const KeyframeRequest& request) const {
+    if (store_.splined(request))
+        return Holding::spline;
+    return holding_of_maps(request);
+}
+
+Holding KeyframeSource::holding_of_maps(const KeyframeRequest& request) const {
     const sea::KeyframePtr held = store_.held(request);
-    if (!held || !held->fields.contains(request.fields))
-        return Holding::nothing;
-    return store_.splined(request) ? Holding::spline : Holding::keyframe;
+    return held && held->fields.contains(request.fields) ? Holding::keyframe : Holding::nothing;
 }
 
 KeyframeSource::Report KeyframeSource::report() const {
@@ -83,31 +87,23 @@ Result<bool> KeyframeSource::work_on(KeyframeJob& job) {
     return or_fail(slice(job, budget));
 }
 
-sea::FieldSet KeyframeSource::fields_of(const KeyframeRequest& request) const {
-    const sea::KeyframePtr held = store_.held(request);
-    return held ? request.fields | held->fields : request.fields;
-}
-
-bool KeyframeSource::walks_foam(const KeyframeRequest& request) const {
-    if (!request.fields.contains(sea::Field::foam))
-        return false;
-    const sea::KeyframePtr held = store_.held(request);
-    return !held || !held->fields.contains(sea::Field::foam);
-}
-
 bool KeyframeSource::open_part(KeyframeJob& job) {
     const std::size_t begin = job.end_;
     std::size_t end = begin;
     std::int64_t part = 0;
     bool foam = false;
+    std::vector<sea::KeyframePtr> held;
     for (; end < job.wanted_.size(); ++end) {
         const KeyframeRequest& request = job.wanted_[end];
+        sea::KeyframePtr one = store_.held(request);
+        const sea::FieldSet there = one ? one->fields : sea::FieldSet{};
         const std::int64_t more =
-            samples(request.cascade) * with_foam_inputs(fields_of(request)).size();
+            samples(request.cascade) * with_foam_inputs(request.fields | there).size();
         if (end > begin && part + more > samples_per_slice)
             break;
         part += more;
-        foam = foam || walks_foam(request);
+        held.push_back(std::move(one));
+        foam = foam || request.fields.without(there).contains(sea::Field::foam);
     }
     job.part_bytes_ = static_cast<std::size_t>(part) * sizeof(float);
     // First the turn, then room: who holds room never waits for somebody else.
@@ -119,22 +115,24 @@ bool KeyframeSource::open_part(KeyframeJob& job) {
         foam_of(job.walk_).maps.follow_changes();
     job.open_ = true;
     job.end_ = end;
-    look_up(job, begin);
+    look_up(job, begin, std::move(held));
     return true;
 }
 
-void KeyframeSource::look_up(KeyframeJob& job, std::size_t begin) {
+void KeyframeSource::look_up(KeyframeJob& job, std::size_t begin,
+                             std::vector<sea::KeyframePtr> held) {
     job.found_.assign(job.end_ - begin, nullptr);
-    for (std::size_t i = begin; i < job.end_; ++i) {
-        KeyframeRequest request = job.wanted_[i];
-        sea::KeyframePtr& found = job.found_[i - begin];
-        found = store_.find(request);
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        KeyframeRequest request = job.wanted_[begin + i];
+        sea::KeyframePtr& found = job.found_[i];
+        found = store_.find(request, job.walk_ == Walk::stream);
+        if (!found && held[i] && held[i]->fields.contains(request.fields))
+            found = held[i]; // let go of meanwhile
         if (found)
             continue;
-        sea::KeyframePtr held = store_.held(request);
-        if (held)
-            request.fields = request.fields.without(held->fields);
-        job.missing_.push_back({i - begin, request, std::move(held), foam_time(request)});
+        if (held[i])
+            request.fields = request.fields.without(held[i]->fields);
+        job.missing_.push_back({i, request, std::move(held[i]), foam_time(request)});
     }
 }
 

@@ -114,20 +114,22 @@ class KeyframeSource : private KeyframeMaker {
     const std::optional<Error>& failure() const { return failure_; }
     bool failed() const { return failed_; } ///< any thread
 
-    /// Lets go of keyframes that nobody has used since the call before the last one.
+    /// Lets go of keyframes, and of maps, that nobody has used since the call before the last one.
     std::size_t trim() {
-        joined_->clear(); // before more comes from the store, for the next second
+        joined_->clear(); // before more comes from the store, for until the next call
         return store_.trim();
     }
     /// There is something to trim().
     bool holds_keyframes() const { return store_.counters().keyframes > 0; }
-    /// Of these, some that nobody streams: a question was answered from them within the last seconds. Any thread.
+    /// Of these, some that nobody streams: a question was answered from them a moment ago. Any thread.
     bool holds_asked_keyframes() const { return store_.counters().asked > 0; }
 
     /// What is held, with its splines. Any thread.
     KeyframeStore& store() { return store_; }
-    /// What of a keyframe is there now. Any thread.
+    /// What of a keyframe is there now that points can be answered from. Any thread.
     Holding holding(const KeyframeRequest& request) const;
+    /// Its maps are: a spline is of no use to who wants to have them. Any thread.
+    Holding holding_of_maps(const KeyframeRequest& request) const;
 
     struct Report {
         std::string device;
@@ -139,11 +141,9 @@ class KeyframeSource : private KeyframeMaker {
     Report report() const;
 
   private:
-    /// With those that are held.
-    sea::FieldSet fields_of(const KeyframeRequest& request) const;
-    bool walks_foam(const KeyframeRequest& request) const;
     bool open_part(KeyframeJob& job);
-    void look_up(KeyframeJob& job, std::size_t begin);
+    /// `held`: what was held of the part as its turn was taken.
+    void look_up(KeyframeJob& job, std::size_t begin, std::vector<sea::KeyframePtr> held);
     Result<bool> slice(KeyframeJob& job, std::int64_t& budget);
     bool takes_its_turn(KeyframeJob& job);
     /// True: the foam of the next keyframe that is missing is there, but for its own tick.

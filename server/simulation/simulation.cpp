@@ -128,13 +128,13 @@ bool Simulation::work_ahead() {
 
 void Simulation::trim_now_and_then() {
     const auto now = std::chrono::steady_clock::now();
-    if (now < trimmed_ + trim_interval)
+    if (now < trimmed_ + memory_->trims_every())
         return;
     trimmed_ = now;
     if (trims_left_ > 0)
         --trims_left_;
     (void)source_.trim();
-    if (events_.on_trim)
+    if (++trims_ % trims_a_give_back == 0 && events_.on_trim)
         events_.on_trim();
 }
 
@@ -188,7 +188,7 @@ void Simulation::work_on_a_question(bool more) {
             wait_us = std::min(wait_us.value_or(pause_us), pause_us);
         }
         if (trims_left_ > 0 || source_.holds_keyframes()) {
-            constexpr TimeUs trim_us = std::chrono::microseconds(trim_interval).count();
+            const TimeUs trim_us = std::chrono::microseconds(memory_->trims_every()).count();
             wait_us = std::min(wait_us.value_or(trim_us), trim_us);
         }
     }
@@ -269,7 +269,10 @@ void Simulation::fetch(std::vector<TimeUs> times_us, const Demand& demand, Fetch
     for (const TimeUs time_us : times_us)
         if (const Result<void> fine = check_time(time_us); !fine)
             return done(fine.error());
-    const double price_us = prices_.fetch_us(times_us, demand, holding());
+    const double price_us =
+        prices_.fetch_us(times_us, demand, [this](const KeyframeRequest& request) {
+            return source_.holding_of_maps(request);
+        });
     auto parts = std::make_shared<FetchedParts>(*course_, times_us, demand, fetch_room_);
     const auto slice = [this, parts, done] {
         if (parts->hand() == Hand::answers) {

@@ -64,11 +64,11 @@ struct SimulationCounters {
     std::uint64_t device_rebuilds = 0;
 };
 
-/// Keyframes that nobody has used for one to two of these are let go, and what is free is given back to
-/// the system.
-inline constexpr std::chrono::seconds trim_interval{1};
-/// For so many intervals after the last question: what was made for it is still on its way out.
-inline constexpr int trims_after_work = 30;
+/// So many times after the last question what is unused is let go (Memory::trims_every): what was made for it is still on its way
+/// out.
+inline constexpr int trims_after_work = 60;
+/// Of so many one gives back to the system what is free: it looks through all that malloc has.
+inline constexpr int trims_a_give_back = 2;
 
 /// Slices of keyframes that are due before a question has one: the stream goes first, and one that never
 /// catches up still leaves a fifth of the thread to those who ask.
@@ -225,6 +225,7 @@ class Simulation {
     const std::shared_ptr<Room>
         fetch_room_; ///< raw, from before they are made until they are encoded
     std::chrono::steady_clock::time_point trimmed_ = std::chrono::steady_clock::now();
+    int trims_ = 0;
     std::atomic<int> trims_left_ = 0;
     std::mutex at_once_mutex_;
     Account at_once_{at_once_budget, steady_seconds()}; ///< of those who call answer()

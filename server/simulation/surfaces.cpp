@@ -2,7 +2,6 @@
 #include "server/simulation/surfaces.h"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -39,7 +38,7 @@ std::vector<KeyframeRequest> Surfaces::wanted(const SurfaceJob& job) const {
 }
 
 bool Surfaces::work_on(SurfaceJob& job, Make make) {
-    if (job.held_.empty() && (share(job) || !has_sea(job, make) || !look_up(job)))
+    if (job.parts_.empty() && (share(job) || !has_sea(job, make) || !look_up(job)))
         return job.surface_ != nullptr;
     return make_splines(job, make) && finish(job);
 }
@@ -71,27 +70,32 @@ bool Surfaces::share(SurfaceJob& job) {
 
 bool Surfaces::look_up(SurfaceJob& job) {
     const std::vector<KeyframeRequest> all = wanted(job);
-    KeyframeStore& store = source_.store();
     bool splined = true;
     for (const KeyframeRequest& request : all) {
-        const sea::KeyframePtr held = store.held(request);
-        if (!held || !held->fields.contains(request.fields)) {
+        const Holding holding = source_.holding(request);
+        if (holding == Holding::nothing) {
             job.lacks_keyframes_ = job.awaits_room_ = true;
             return false;
         }
-        splined = splined && store.splined(request);
+        splined = splined && holding == Holding::spline;
     }
     if (!take_room(job, splined && job.use_ == SurfaceUse::few))
         return false;
-    for (const KeyframeRequest& request : all) {
-        job.held_.push_back(store.find(request));
-        if (job.held_.back())
-            continue;
-        job.held_.clear(); // let go meanwhile
-        job.lacks_keyframes_ = true;
+    std::vector<SurfaceJob::Part> parts = found(all);
+    job.lacks_keyframes_ = std::ranges::any_of(parts, &SurfaceJob::Part::lacks);
+    if (job.lacks_keyframes_) // let go meanwhile
         return false;
-    }
+    job.parts_ = std::move(parts);
     return true;
+}
+
+std::vector<SurfaceJob::Part> Surfaces::found(const std::vector<KeyframeRequest>& wanted) {
+    std::vector<SurfaceJob::Part> parts;
+    for (const KeyframeRequest& request : wanted) {
+        KeyframeStore::Found found = source_.store().find_for_points(request);
+        parts.push_back({request, std::move(found.maps), std::move(found.spline)});
+    }
+    return parts;
 }
 
 bool Surfaces::take_room(SurfaceJob& job, bool anyway) {
@@ -105,31 +109,44 @@ bool Surfaces::take_room(SurfaceJob& job, bool anyway) {
 Result<void> Surfaces::make_keyframes(SurfaceJob& job) {
     if (!take_room(job, false))
         return {};
-    if (!job.keyframes_)
-        job.keyframes_.emplace(wanted(job), Walk::questions);
+    if (!job.keyframes_) {
+        job.found_ = found(wanted(job));
+        std::vector<KeyframeRequest> lacking;
+        for (const SurfaceJob::Part& part : job.found_)
+            if (part.lacks())
+                lacking.push_back(part.of);
+        job.keyframes_.emplace(std::move(lacking), Walk::questions);
+    }
     SEAWAY_TRY_LET(const bool made, source_.work_on(*job.keyframes_));
     if (made)
-        std::ranges::move(job.keyframes_->take(), std::back_inserter(job.held_));
+        for (sea::KeyframePtr& keyframe : job.keyframes_->take())
+            std::ranges::find_if(job.found_, &SurfaceJob::Part::lacks)->maps = std::move(keyframe);
     job.lacks_keyframes_ = !job.keyframes_->complete();
+    if (!job.lacks_keyframes_)
+        job.parts_ = std::move(job.found_);
     return {};
 }
 
 bool Surfaces::make_splines(SurfaceJob& job, Make make) {
     KeyframeStore& store = source_.store();
     bool made = make == Make::nothing;
-    while (job.splines_.size() < job.held_.size()) {
-        const sea::KeyframePtr& next = job.held_[job.splines_.size()];
-        std::shared_ptr<const void> turn;
-        if (!store.splined(request_of(*next))) {
-            if (std::exchange(made, true))
-                return false;
-            turn = spline_turn();
-            job.awaits_spline_ = turn == nullptr;
-            if (job.awaits_spline_)
-                return false;
+    job.awaits_spline_ = false;
+    for (SurfaceJob::Part& part : job.parts_) {
+        if (part.spline || (part.spline = store.find_spline(part.of))) { // another made it
+            part.maps = nullptr;
+            continue;
         }
-        job.splines_.push_back(
-            store.spline(next, job.use_ == SurfaceUse::batch ? stand_back : nullptr));
+        if (std::exchange(made, true))
+            return false;
+        const std::shared_ptr<const void> turn = spline_turn();
+        job.awaits_spline_ = turn == nullptr;
+        if (job.awaits_spline_)
+            return false;
+        part.spline = store.find_spline(part.of); // while the turn was another's
+        if (!part.spline)
+            part.spline =
+                store.spline(part.maps, job.use_ == SurfaceUse::batch ? stand_back : nullptr);
+        part.maps = nullptr;
     }
     return true;
 }
@@ -141,11 +158,10 @@ std::shared_ptr<const void> Surfaces::spline_turn() {
 }
 
 bool Surfaces::finish(SurfaceJob& job) {
-    const EpochWindow window = course_->window(job.held_.front()->epoch);
+    const std::vector<SurfaceJob::Part> parts = std::exchange(job.parts_, {});
+    const EpochWindow window = course_->window(parts.front().of.epoch);
     if (window.end_us <= job.time_us_) { // another took over while this one was made
         job.keyframes_.reset();
-        job.held_.clear();
-        job.splines_.clear();
         return false;
     }
     const RunningSeaPtr sea = course_->sea(window.epoch);
@@ -153,10 +169,10 @@ bool Surfaces::finish(SurfaceJob& job) {
     TimeUs start_us = std::numeric_limits<TimeUs>::min();
     job.end_us_ = window.end_us;
     std::vector<sea::SplinePair> pairs;
-    for (std::size_t i = 0; i < job.held_.size(); i += 2) {
-        pairs.push_back({job.splines_[i], job.splines_[i + 1]});
-        start_us = std::max(start_us, job.held_[i]->time_us);
-        job.end_us_ = std::min(job.end_us_, job.held_[i + 1]->time_us);
+    for (std::size_t i = 0; i < parts.size(); i += 2) {
+        pairs.push_back({parts[i].spline, parts[i + 1].spline});
+        start_us = std::max(start_us, parts[i].of.time_us);
+        job.end_us_ = std::min(job.end_us_, parts[i + 1].of.time_us);
     }
     if (sea->glide && !(choppiness == sea->choppiness_at(job.time_us_ + 1))) {
         start_us = job.time_us_; // the surface of this moment alone

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces: the sea around a time, made of keyframes that are held. Any thread makes them of what is
+// Surfaces: the sea around a time, made of keyframes that are held, as splines or as maps. Any thread makes them of what is
 // there; what is not there is made by the one thread that has the device (make_keyframes), slice by
 // slice, and the surface is finished by whoever asked for it. A surface that somebody uses is shared by
 // all who ask about its times.
@@ -62,9 +62,16 @@ class SurfaceJob {
     bool awaits_sea_ = false;
     bool awaits_spline_ = false; ///< that another thread makes
     Room::Place place_;
-    std::optional<KeyframeJob> keyframes_;
-    std::vector<sea::KeyframePtr> held_;     ///< two a cascade, all or none
-    std::vector<sea::SplineMapPtr> splines_; ///< of the first of `held_`
+    /// A keyframe, as maps of which a spline is to be made or as that spline.
+    struct Part {
+        KeyframeRequest of;
+        sea::KeyframePtr maps;
+        sea::SplineMapPtr spline;
+        bool lacks() const { return maps == nullptr && spline == nullptr; }
+    };
+    std::vector<Part> found_;              ///< two a cascade, with those that lack
+    std::optional<KeyframeJob> keyframes_; ///< these
+    std::vector<Part> parts_;              ///< the same once none lacks, else none
     SurfacePtr surface_;
     sea::TimeUs end_us_ = 0;
 };
@@ -102,6 +109,8 @@ class Surfaces {
     bool share(SurfaceJob& job);
     bool look_up(SurfaceJob& job);
     bool take_room(SurfaceJob& job, bool anyway);
+    /// What is held of these now.
+    std::vector<SurfaceJob::Part> found(const std::vector<KeyframeRequest>& wanted);
     /// One at most; true: all are there.
     bool make_splines(SurfaceJob& job, Make make);
     /// False: the keyframes are of a sea that does not run then any more; to be looked for again.

@@ -114,8 +114,12 @@ struct Bench {
     Subscriptions subscriptions;
     std::unique_ptr<Simulation> simulation;
 
-    explicit Bench(const std::string& more = {}, WorkBudget budget = {}, int threads = 2)
+    /// Lets nothing go for want of use, where nothing else is said, however long a busy machine stands still.
+    explicit Bench(const std::string& more = {}, WorkBudget budget = {}, int threads = 2,
+                   std::chrono::milliseconds trims_every = std::chrono::hours(1))
         : answer_threads(threads), sea(running_sea(more)) {
+        const auto memory =
+            std::make_shared<Memory>(Memory::bytes_default, MemoryNeeds{}, trims_every);
         Result<std::unique_ptr<Simulation>> started = Simulation::start(
             course,
             [this](const sea::RealizationPtr& realization, std::uint32_t epoch,
@@ -132,7 +136,7 @@ struct Bench {
              },
              [this](const std::string&) { ++warnings; },
              [this](const std::string& why) { failed.set_value(why); }},
-            budget, std::make_shared<Memory>(), answer_threads);
+            budget, memory, answer_threads);
         simulation = std::move(started).value();
         subscriptions.on_change([this] { simulation->demand_changed(); });
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The keyframe store against a plain model of what it holds.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <list>
 #include <new>
 #include <random>
@@ -109,10 +111,67 @@ TEST(KeyframeStore, what_nobody_uses_for_two_trims_is_let_go_with_its_spline) {
     EXPECT_EQ(store.trim(), both / 2);
     EXPECT_TRUE(store.splined({0, 0, {}}));
     EXPECT_FALSE(store.held({0, 1, {}}));
-    store.trim();
-    EXPECT_EQ(store.trim(), 0u);
+    for (int i = 0; i < 2; ++i)
+        EXPECT_EQ(store.trim(), 0u) << "who begins to subscribe wants those of the stream";
+    EXPECT_EQ(store.trim(), both / 2);
     EXPECT_EQ(store.counters().bytes, 0u);
     EXPECT_EQ(store.counters().keyframes, 0u);
+}
+
+TEST(KeyframeStore, what_was_made_for_a_question_and_the_stream_finds_is_of_the_stream) {
+    const FieldSet height{Field::height, Field::height_rate};
+    KeyframeStore store(Room::of(1u << 28));
+    const sea::KeyframePtr asked = keyframe(0, 0, height);
+    store.insert(asked);
+    EXPECT_EQ(store.counters().asked, 1u);
+    EXPECT_EQ(store.find({0, 0, height}, true), asked);
+    EXPECT_EQ(store.counters().asked, 0u);
+    store.spline(asked);
+    EXPECT_EQ(store.held({0, 0, height}), asked) << "it is about to be sent";
+    for (int i = 0; i < 3; ++i)
+        EXPECT_EQ(store.trim(), 0u);
+    EXPECT_EQ(store.trim(), bytes_of(*asked) + sea::SplineMap::bytes_of(8));
+    EXPECT_EQ(store.counters().bytes, 0u);
+}
+
+// Naive: the maps stay for as long as points are answered, which are answered from the spline.
+TEST(KeyframeStore, maps_that_nobody_uses_go_before_a_spline_that_somebody_uses) {
+    const FieldSet height{Field::height, Field::height_rate};
+    const auto room = Room::of(1u << 28);
+    KeyframeStore store(room);
+    const sea::KeyframePtr streamed = keyframe(0, 0, height), asked = keyframe(0, 1, height);
+    const std::size_t spline = store.spline(asked)->bytes();
+    for (const sea::KeyframePtr& one : {streamed, asked}) {
+        store.insert(one, one == streamed);
+        store.spline(one);
+    }
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(store.trim(), 0u);
+        for (TimeUs t = 0; t < 2; ++t)
+            EXPECT_TRUE(store.find_spline({0, t, height}));
+        EXPECT_TRUE(store.find({0, 0, height})) << "of this one the maps are used, too";
+    }
+    EXPECT_EQ(store.trim(), bytes_of(*asked));
+    EXPECT_EQ(store.counters().bytes, 2 * spline + bytes_of(*streamed));
+    EXPECT_EQ(room->held_bytes(), store.counters().bytes);
+    EXPECT_TRUE(store.held({0, 0, height}));
+    EXPECT_FALSE(store.find({0, 1, height})) << "to be made again for who wants them";
+    EXPECT_FALSE(store.held({0, 1, {}}));
+    EXPECT_TRUE(store.splined({0, 1, height}));
+    EXPECT_FALSE(store.splined({0, 1, sea::surface_fields})) << "it was made of heights alone";
+    store.insert(asked);
+    EXPECT_EQ(store.held({0, 1, {}}), asked);
+    EXPECT_TRUE(store.splined({0, 1, height})) << "who asks for heights has them as before";
+    store.insert(keyframe(0, 1, sea::surface_fields));
+    EXPECT_FALSE(store.splined({0, 1, {}})) << "that one was made of fewer fields";
+    for (int i = 0; i < 5; ++i)
+        store.trim();
+    EXPECT_EQ(store.counters().keyframes, 0u);
+    EXPECT_EQ(room->held_bytes(), 0u);
+    store.insert(asked);
+    store.spline(asked);
+    EXPECT_EQ(store.counters().bytes, spline) << "nothing is streamed that could want its maps";
+    EXPECT_EQ(room->held_bytes(), spline);
 }
 
 TEST(KeyframeStore, a_keyframe_larger_than_the_store_is_not_held_and_its_spline_is_still_made) {
@@ -133,8 +192,13 @@ TEST(KeyframeStore, a_spline_is_of_the_keyframe_that_was_given_also_after_it_was
     store.insert(old);
     store.insert(changed);
     EXPECT_EQ(store.spline(old)->sample(1, 1).value[0], 0.0f);
-    EXPECT_NEAR(store.spline(changed)->sample(1, 1).value[0], 2.0f, 1e-4f) // rounding of floats
+    EXPECT_FALSE(store.splined({0, 0, {}}));
+    const auto near_2 = [](const sea::SplineMapPtr& spline) { // rounding of floats
+        return std::abs(spline->sample(1, 1).value[0] - 2.0f) < 1e-4f;
+    };
+    EXPECT_TRUE(near_2(store.spline(changed)))
         << "the spline of the one that was replaced has not taken its place";
+    EXPECT_TRUE(near_2(store.find_spline({0, 0, {}})));
     EXPECT_EQ(store.spline(old)->sample(1, 1).value[0], 0.0f);
 }
 
@@ -142,10 +206,17 @@ TEST(KeyframeStore, a_spline_is_of_the_keyframe_that_was_given_also_after_it_was
 struct Model {
     struct Entry {
         sea::KeyframePtr keyframe;
+        bool has_maps = true;
         std::size_t spline_bytes = 0;
+        FieldSet splined = {}; ///< of the keyframe that it was made of
+        std::uint64_t used = 0, maps_used = 0;
+        sea::KeyframePtr maps() const { return has_maps ? keyframe : nullptr; }
+        std::size_t bytes() const { return (has_maps ? bytes_of(*keyframe) : 0) + spline_bytes; }
     };
     std::list<Entry> entries;
     std::size_t bytes_max;
+    bool streamed; ///< all of them, or none
+    std::uint64_t trims = 0;
 
     auto place(int cascade, TimeUs time_us) {
         return std::find_if(entries.begin(), entries.end(), [&](const Entry& entry) {
@@ -155,13 +226,48 @@ struct Model {
     std::size_t bytes() const {
         std::size_t sum = 0;
         for (const Entry& entry : entries)
-            sum += bytes_of(*entry.keyframe) + entry.spline_bytes;
+            sum += entry.bytes();
         return sum;
     }
+    void insert(const sea::KeyframePtr& keyframe) {
+        Entry made{keyframe};
+        const auto held = place(keyframe->cascade, keyframe->time_us);
+        if (held != entries.end()) {
+            if (!held->has_maps && held->splined.contains(keyframe->fields & sea::surface_fields)) {
+                made.spline_bytes = held->spline_bytes;
+                made.splined = held->splined;
+            }
+            entries.erase(held);
+        }
+        made.maps_used = trims;
+        entries.push_front(made);
+        use(entries.begin());
+    }
     void use(std::list<Entry>::iterator entry) {
+        entry->used = trims;
         entries.splice(entries.begin(), entries, entry);
         while (bytes() > bytes_max)
             entries.pop_back();
+    }
+    /// That this is what it holds.
+    void expect(const KeyframeStore& store) {
+        ASSERT_EQ(store.counters().bytes, bytes());
+        ASSERT_EQ(store.counters().keyframes, entries.size());
+        ASSERT_LE(bytes(), bytes_max);
+        for (int c = 0; c < 2; ++c)
+            for (TimeUs t = 0; t < 12; ++t) {
+                const auto expected = place(c, t);
+                ASSERT_EQ(store.held({c, t, {}}),
+                          expected == entries.end() ? nullptr : expected->maps());
+            }
+    }
+    void trim() {
+        const std::uint64_t longer = streamed ? 2 : 0;
+        std::erase_if(entries, [&](const Entry& one) { return one.used + longer < trims; });
+        for (Entry& one : entries)
+            if (one.spline_bytes > 0 && one.maps_used + longer < trims)
+                one.has_maps = false;
+        ++trims;
     }
 };
 
@@ -171,49 +277,50 @@ TEST(KeyframeStore, any_mix_of_uses_leaves_the_count_equal_to_the_bytes_held_and
                                    sea::surface_fields | FieldSet{Field::foam}};
     std::mt19937_64 numbers(16);
     const auto below = [&](std::uint64_t n) { return numbers() % n; };
-    for (const std::size_t bytes_max : {3'000u, 20'000u, 100'000u}) {
-        KeyframeStore store(Room::of(bytes_max));
-        Model model{{}, bytes_max};
+    for (int run = 0; run < 6; ++run) {
+        const std::size_t bytes_max = std::array{3'000u, 20'000u, 100'000u}[run / 2u];
+        const auto room = Room::of(bytes_max);
+        KeyframeStore store(room);
+        Model model{{}, bytes_max, run % 2 == 0};
         for (int step = 0; step < 20'000; ++step) {
             const int cascade = static_cast<int>(below(2));
             const TimeUs time_us = static_cast<TimeUs>(below(12));
             const auto held = model.place(cascade, time_us);
+            const bool known = held != model.entries.end();
             const std::uint64_t action = below(100);
             if (action < 40) { // inserts, or replaces
                 const sea::KeyframePtr made =
                     keyframe(cascade, time_us, field_sets[below(3)], 4 << below(2));
-                if (held != model.entries.end())
-                    model.entries.erase(held);
-                model.entries.push_front({made});
-                model.use(model.entries.begin());
-                store.insert(made);
-            } else if (action < 70) {
+                model.insert(made);
+                store.insert(made, model.streamed);
+            } else if (action < 65) {
                 const FieldSet wanted = field_sets[below(3)];
-                const bool found =
-                    held != model.entries.end() && held->keyframe->fields.contains(wanted);
+                const bool found = known && held->maps() && held->keyframe->fields.contains(wanted);
                 EXPECT_EQ(store.find({cascade, time_us, wanted}) != nullptr, found);
-                if (found)
+                if (found) {
+                    held->maps_used = model.trims;
                     model.use(held);
-            } else {
-                const bool known = held != model.entries.end();
+                }
+            } else if (action < 95) {
                 const sea::KeyframePtr of =
                     known ? held->keyframe : keyframe(cascade, time_us, field_sets[1]);
-                const std::size_t spline_bytes = store.spline(of)->bytes();
+                const sea::SplineMapPtr found =
+                    store.find_spline({cascade, time_us, of->fields & sea::surface_fields});
+                EXPECT_EQ(found != nullptr, known && held->spline_bytes > 0);
+                const std::size_t spline_bytes = (found ? found : store.spline(of))->bytes();
                 if (known) {
+                    held->has_maps = held->has_maps && (found || model.streamed);
                     held->spline_bytes = spline_bytes;
+                    if (!found)
+                        held->splined = of->fields;
                     model.use(held);
                 }
+            } else {
+                model.trim();
+                store.trim();
             }
-            const StoreCounters counters = store.counters();
-            ASSERT_EQ(counters.bytes, model.bytes()) << "step " << step;
-            ASSERT_EQ(counters.keyframes, model.entries.size()) << "step " << step;
-            ASSERT_LE(counters.bytes, bytes_max);
-            for (int c = 0; c < 2; ++c)
-                for (TimeUs t = 0; t < 12; ++t) {
-                    const auto expected = model.place(c, t);
-                    ASSERT_EQ(store.held({c, t, {}}),
-                              expected == model.entries.end() ? nullptr : expected->keyframe);
-                }
+            ASSERT_EQ(room->held_bytes(), store.counters().bytes) << "step " << step;
+            ASSERT_NO_FATAL_FAILURE(model.expect(store)) << "step " << step;
         }
     }
 }

@@ -125,5 +125,38 @@ TEST(Floods, a_thread_that_the_system_does_not_give_costs_one_map_and_no_more) {
     EXPECT_TRUE(bench.simulation->healthy());
 }
 
+// Naive: a spline that was let go between two looks, or maps that another thread has let go meanwhile, and who waits for them waits for
+// ever, or is given those of fewer fields.
+TEST(Floods, answers_and_maps_are_the_same_whatever_is_let_go_meanwhile) {
+    Bench keeps;
+    std::vector<double> heights_m;
+    const auto point = [](int i) { return sea::QueryPoint{7.0 * i, 3.0, 50 + 90'000 * (i % 7)}; };
+    for (int i = 0; i < 70; ++i)
+        heights_m.push_back(keeps.answer({point(i)}).front().height_m);
+    Bench forgets({}, {}, 2, std::chrono::milliseconds(1));
+    forgets.subscriptions.set(1, {1u, {Field::height, Field::height_rate}});
+    std::thread fetches([&] {
+        for (int i = 0; i < 70; ++i) {
+            const auto some = forgets.fetch({point(i).time_us}, {3u, sea::surface_fields});
+            const auto all = keeps.fetch({point(i).time_us}, {3u, sea::surface_fields});
+            ASSERT_TRUE(some && all);
+            ASSERT_EQ(some->size(), all->size());
+            for (std::size_t k = 0; k < all->size(); ++k)
+                for (const Field field : sea::surface_fields)
+                    EXPECT_TRUE(
+                        std::ranges::equal((*some)[k]->plane(field), (*all)[k]->plane(field)));
+        }
+    });
+    for (int round = 0; round < 5; ++round)
+        for (int i = 0; i < 70; ++i) {
+            forgets.now_us += 2'000;
+            forgets.simulation->demand_changed();
+            EXPECT_EQ(forgets.answer({point(i)}).front().height_m,
+                      heights_m[static_cast<std::size_t>(i)])
+                << round << ' ' << i;
+        }
+    fetches.join();
+}
+
 } // namespace
 } // namespace seaway::server

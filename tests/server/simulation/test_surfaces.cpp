@@ -62,6 +62,45 @@ TEST(Surfaces, keyframes_that_are_not_held_are_asked_of_the_device_and_nothing_e
     EXPECT_EQ(bench.source.report().synthesis.keyframes, made);
 }
 
+/// Of some places at its time.
+std::vector<double> heights_m(const sea::Surface& surface, TimeUs time_us) {
+    std::vector<double> heights;
+    for (int i = 0; i < 20; ++i)
+        heights.push_back(surface.answer({17.0 * i, -3.0 * i, time_us}).height_m);
+    return heights;
+}
+
+// Naive: of keyframes of which the splines alone are held, the maps are made again.
+TEST(Surfaces, stand_on_splines_alone_and_of_a_pair_that_goes_on_the_later_keyframe_alone_is_made) {
+    SurfaceBench bench, fresh;
+    std::optional<SurfaceJob> first(std::in_place, 100'000);
+    bench.finish(*first);
+    const TimeUs next_us = first->end_us();
+    const std::vector<double> before = heights_m(*first->surface(), 100'000);
+    first.reset();
+    EXPECT_EQ(bench.source.report().store.bytes, 4 * sea::SplineMap::bytes_of(64));
+    SurfaceJob again(100'000);
+    bench.finish(again);
+    EXPECT_EQ(bench.source.report().synthesis.keyframes, 4u);
+    EXPECT_EQ(heights_m(*again.surface(), 100'000), before);
+    SurfaceJob next(next_us), of_its_own(next_us);
+    bench.finish(next);
+    fresh.finish(of_its_own);
+    EXPECT_LE(bench.source.report().synthesis.keyframes, 6u);
+    EXPECT_EQ(heights_m(*next.surface(), next_us), heights_m(*of_its_own.surface(), next_us));
+    const KeyframeRequest before_now{0, again.surface()->pairs()[0].before->time_us(),
+                                     sea::surface_fields, bench.course->first()->epoch};
+    EXPECT_EQ(bench.source.holding(before_now), Holding::spline);
+    EXPECT_EQ(bench.source.holding_of_maps(before_now), Holding::nothing)
+        << "a fetch of it has its full price";
+    KeyframeJob maps({before_now}, Walk::questions);
+    ASSERT_TRUE(bench.source.work_on(maps));
+    EXPECT_EQ(maps.take().front()->fields, sea::surface_fields);
+    EXPECT_LE(bench.source.report().synthesis.keyframes, 7u);
+    EXPECT_EQ(bench.source.holding(before_now), Holding::spline);
+    EXPECT_EQ(bench.source.holding_of_maps(before_now), Holding::keyframe);
+}
+
 TEST(Surfaces, a_slice_makes_one_spline_at_most) {
     SurfaceBench bench;
     SurfaceJob job(100'000);
@@ -69,10 +108,10 @@ TEST(Surfaces, a_slice_makes_one_spline_at_most) {
     while (job.lacks_keyframes())
         ASSERT_TRUE(bench.surfaces.make_keyframes(job));
     const auto bytes = [&] { return bench.source.report().store.bytes; };
-    for (int slice = 1; slice <= 4; ++slice) {
-        const std::size_t before = bytes();
+    const std::size_t maps = bytes() / 4, spline = sea::SplineMap::bytes_of(64);
+    for (std::size_t slice = 1; slice <= 4; ++slice) {
         EXPECT_EQ(bench.surfaces.work_on(job), slice == 4);
-        EXPECT_EQ(bytes() - before, sea::SplineMap::bytes_of(64)) << slice;
+        EXPECT_EQ(bytes(), slice * spline + (4 - slice) * maps) << "instead of its maps";
     }
 }
 
