@@ -25,7 +25,10 @@ namespace {
 
 TEST_F(CInterface, the_worked_example_of_the_header_works_in_c) {
     seaway_answer water{};
-    ASSERT_EQ(one_frame_in_c(url.c_str(), &water), SEAWAY_OK) << seaway_last_error();
+    // A quarter of a second is held: a machine that stands still for longer has it extrapolate, so of a few times once is enough.
+    for (int i = 0; i < 5 && (i == 0 || water.flags == SEAWAY_EXTRAPOLATED); ++i) {
+        ASSERT_EQ(one_frame_in_c(url.c_str(), &water), SEAWAY_OK) << seaway_last_error();
+    }
     EXPECT_EQ(water.flags, 0u);
     EXPECT_GT(water.error_m, 0);
     EXPECT_NEAR(std::hypot(water.normal[0], water.normal[1], water.normal[2]), 1, 1e-6);
@@ -63,10 +66,10 @@ TEST_F(CInterface, with_the_waves_any_time_is_sampled_without_a_question) {
     EXPECT_NE(std::string(seaway_last_error()).find("rung"), std::string::npos);
 }
 
-// While the server looks at its clock at the end of a trip of 60 ms, half of it is mistaken for the way
-// back: 30 ms, until shorter trips come. Less than 10 s of them tell nothing of a drift.
+// While the server looks at its clock at the end of a trip of 300 ms, half of it is mistaken for the way
+// back: 150 ms, however late a busy machine's answer is, until shorter trips come. Less than 10 s of them tell nothing of a drift.
 TEST_F(CInterface, what_the_clock_has_to_make_up_is_told_apart_from_its_drift) {
-    sea_served.late_ms = 60;
+    sea_served.late_ms = 300;
     Sea sea(url);
     const std::int64_t shown_us = sea.now_us();
     sea_served.late_ms = 0;

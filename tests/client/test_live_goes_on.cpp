@@ -132,7 +132,9 @@ struct Told {
 
 TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
     seaway_client* client = nullptr;
-    ASSERT_EQ(seaway_connect(url.c_str(), nullptr, &client), SEAWAY_OK) << seaway_last_error();
+    seaway_connect_options options{};
+    options.timeout_s = 60; // one attempt, however long it takes
+    ASSERT_EQ(seaway_connect(url.c_str(), &options, &client), SEAWAY_OK) << seaway_last_error();
     Told told;
     ASSERT_EQ(seaway_watch_status(client, Told::take, &told), SEAWAY_OK);
     ASSERT_EQ(seaway_subscribe(client, nullptr), SEAWAY_OK) << seaway_last_error();
@@ -146,6 +148,9 @@ TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
     EXPECT_EQ(status.holds, static_cast<uint32_t>(SEAWAY_HOLDS_TILES));
     EXPECT_LT(status.held_from_us, status.held_until_us);
     EXPECT_STREQ(status.reason, "");
+    // Later than changes are told ahead, which what streams may not be on a busy machine.
+    const std::int64_t later_us = seaway_now_us(client) + 60'000'000;
+    ASSERT_EQ(seaway_hold(client, &later_us, 1, 60), SEAWAY_OK) << seaway_last_error();
     // On a line that lets nobody back it stays as it is, however long this thread waits for its turn.
     line->stall(true);
     line->cut();
@@ -155,7 +160,7 @@ TEST_F(LiveGoesOn, is_told_to_a_c_program_by_a_call_and_when_asked) {
     ASSERT_EQ(seaway_get_status(client, &status), SEAWAY_OK);
     EXPECT_EQ(status.state, static_cast<uint32_t>(SEAWAY_CONNECTING));
     EXPECT_EQ(status.attempts, 1u);
-    const seaway_point point{0, 0, status.held_until_us - 1};
+    const seaway_point point{0, 0, later_us};
     seaway_answer answer{};
     EXPECT_EQ(seaway_sample(client, &point, 1, &answer), SEAWAY_OK) << seaway_last_error();
     EXPECT_EQ(answer.flags, static_cast<uint32_t>(SEAWAY_STALE));
@@ -244,6 +249,7 @@ TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
     ASSERT_TRUE(client) << client.error().message;
     ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 30));
     (*client)->unsubscribe();
+    const int fetches = sea.fetches;
     line->stall(true);
     line->cut();
     ASSERT_TRUE(eventually([&] { return !(*client)->is_open(); }));
@@ -252,12 +258,10 @@ TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
     EXPECT_EQ(failure_of(refused.error()), Failure::lost);
     line->stall(false);
     ASSERT_TRUE(eventually([&] { return (*client)->status().connections == 2; }));
-    // A subscription begins with the keyframes around now.
-    const std::uint64_t before = line->bytes_carried(FaultProxy::Way::to_client);
     EXPECT_FALSE((*client)->grant()) << "nothing is subscribed to";
     const sea::QueryPoint point{0, 0, 0};
     ASSERT_TRUE((*client)->ask({&point, 1}, {}));
-    EXPECT_LT(line->bytes_carried(FaultProxy::Way::to_client) - before, 2000u);
+    EXPECT_EQ(sea.fetches, fetches) << "a subscription begins with the keyframes around now";
 }
 
 /// Both rungs are subscribed to again, waves first, which are held back.

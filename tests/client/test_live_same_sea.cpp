@@ -53,10 +53,13 @@ TEST_F(LiveSameSea, what_was_missed_in_one_outage_is_not_known_after_the_next) {
     ASSERT_TRUE(client) << client.error().message;
     const sea::TimeUs begin_us = sea.sea_time_us();
     const auto miss_a_change = [&](std::uint32_t epoch, int connections) {
+        line->stall(true); // nobody is let back in before the change is there
+        line->cut();
+        EXPECT_TRUE(eventually([&] { return (*client)->status().state != LinkState::connected; }));
         const sea::TimeUs now_us = sea.sea_time_us();
         sea.told_epoch = epoch;
         sea.told_from_us = now_us + 300'000;
-        line->cut();
+        line->stall(false);
         EXPECT_TRUE(eventually([&] { return (*client)->status().connections == connections; }));
         EXPECT_TRUE(eventually([&] { return (*client)->now_us() > now_us + 600'000; }));
         return now_us + 200'000;
@@ -64,12 +67,13 @@ TEST_F(LiveSameSea, what_was_missed_in_one_outage_is_not_known_after_the_next) {
     const sea::TimeUs first_us = miss_a_change(sea.epoch + 1, 2);
     EXPECT_TRUE((*client)->knows_sea_of(begin_us - 500'000));
     EXPECT_FALSE((*client)->knows_sea_of(first_us)) << "it is to be asked for";
-    EXPECT_TRUE((*client)->knows_sea_of((*client)->now_us()));
+    const auto knows_of_now = [&] { return (*client)->knows_sea_of((*client)->now_us()); };
+    EXPECT_TRUE(eventually(knows_of_now)); // a busy machine's answers are late
     const sea::TimeUs second_us = miss_a_change(sea.epoch + 2, 3);
     ASSERT_EQ((*client)->status().seas, 1) << (*client)->status().reason;
     EXPECT_FALSE((*client)->knows_sea_of(first_us));
     EXPECT_FALSE((*client)->knows_sea_of(second_us));
-    EXPECT_TRUE((*client)->knows_sea_of((*client)->now_us()));
+    EXPECT_TRUE(eventually(knows_of_now));
 }
 
 // What it does not know of cannot have been taken back: its log has not been heard since before.
@@ -152,8 +156,12 @@ TEST_F(LiveSameSea, a_pace_that_was_missed_does_not_keep_a_client_in_another_tim
         EXPECT_TRUE(eventually([&] { return (*client)->status().seas == 2; }));
         const sea::TimeUs before_us = pace.sea_time(sea.sea_time_us());
         const sea::TimeUs now_us = (*client)->now_us();
-        EXPECT_GE(now_us, before_us - 50'000) << "of the clocks' errors";
-        EXPECT_LE(now_us, pace.sea_time(sea.sea_time_us()) + 50'000);
+        const sea::TimeUs after_us = pace.sea_time(sea.sea_time_us());
+        const ClockStatus clock = (*client)->clock();
+        const auto off_us =
+            static_cast<sea::TimeUs>(clock.error_us + std::abs(clock.slew_us)) + 50'000;
+        EXPECT_GE(now_us, before_us - off_us) << "of the clocks' errors";
+        EXPECT_LE(now_us, after_us + off_us);
     }
 }
 

@@ -80,9 +80,12 @@ TEST(Unsubscribing, ends_what_has_not_been_asked_for_yet) {
         return (*client)->hold({&time_us, 1}, 60).has_value();
     });
     EXPECT_TRUE(eventually([&] { return sea.asked == 1; }));
+    std::atomic<bool> begins = false;
     auto subscribed = std::async(std::launch::async, [&] {
+        begins = true;
         return (*client)->subscribe({.fields = sea::surface_fields}, 2, 60).has_value();
     });
+    EXPECT_TRUE(eventually([&] { return begins.load(); }));
     // Nothing outside shows that it waits: it is some microseconds away.
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     (*client)->unsubscribe();

@@ -2,6 +2,7 @@
 // seaway-query: its points, its options, its output, and the program as a whole.
 #include <cmath>
 #include <csignal>
+#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -159,6 +160,16 @@ Output run_query(const std::string& arguments) {
     return tests::run_program("seaway-query", arguments);
 }
 
+/// Stopped once it has said so many lines and, from then on, so much time has passed.
+Output run_until_lines(int lines, const std::string& arguments, int further_s = 0) {
+    const std::string said = tests::folder().fresh("said");
+    std::ofstream{said}; // empty, before anybody counts its lines
+    return run_query(fmt::format("{0} >{1} & until [ $(wc -l <{1}) -ge {2} ] || ! kill -0 $!; do "
+                                 "sleep 0.02; done; sleep {3}; "
+                                 "kill -TERM $!; wait $!; ended=$?; cat {1}; exit $ended",
+                                 arguments, said, lines, further_s));
+}
+
 class Program : public tests::WaveServer {
   protected:
     nlohmann::json rows(const std::string& arguments) {
@@ -270,8 +281,8 @@ TEST_F(Program, now_is_the_sea_time_of_the_server) {
 }
 
 TEST_F(Program, watches_until_it_is_stopped) {
-    const Output outcome = run_query(net->url() + " --at 0,0 --local --watch 20 --format csv & "
-                                                  "sleep 1; kill -TERM $!; wait $!");
+    const Output outcome =
+        run_until_lines(3, net->url() + " --at 0,0 --local --watch 20 --format csv");
     EXPECT_EQ(outcome.status, 0);
     std::istringstream lines(outcome.out);
     std::string line;
@@ -295,8 +306,7 @@ TEST_F(Program, watches_until_it_is_stopped) {
 TEST_F(Program, watched_times_that_were_given_move_on_with_the_clock) {
     const auto start = std::chrono::steady_clock::now();
     const Output outcome =
-        run_query(net->url() + " --at 0,0 --time -3600 --watch 20 --format csv & "
-                               "sleep 1; kill -TERM $!; wait $!");
+        run_until_lines(4, net->url() + " --at 0,0 --time -3600 --watch 20 --format csv");
     const std::chrono::duration<double> ran = std::chrono::steady_clock::now() - start;
     EXPECT_EQ(outcome.status, 0);
     std::istringstream lines(outcome.out);
@@ -382,8 +392,8 @@ TEST_F(Program, its_help_says_which_flags_leave_no_bound) {
 
 // Naive: 1e12 s in nanoseconds is no number of them, and every beat is over already.
 TEST_F(Program, the_slowest_watch_waits_for_its_second_beat) {
-    const Output outcome = run_query(net->url() + " --at 0,0 --watch 1e-5 --format csv & sleep 1;"
-                                                  " kill -TERM $!; wait $!");
+    const Output outcome =
+        run_until_lines(2, net->url() + " --at 0,0 --watch 1e-5 --format csv", 1);
     EXPECT_EQ(outcome.status, 0);
     EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2) << "a head and a row";
 }
@@ -400,7 +410,7 @@ TEST_F(Program, json_is_one_line_an_answer_while_it_is_watched) {
     const std::string where = net->url() + " --at 1,2 3,4 --format json";
     const Output once = run_query(where);
     EXPECT_EQ(std::count(once.out.begin(), once.out.end(), '\n'), 2) << once.out;
-    const Output watched = run_query(where + " --watch 1e-5 & sleep 1; kill -TERM $!; wait $!");
+    const Output watched = run_until_lines(1, where + " --watch 1e-5", 1);
     EXPECT_EQ(std::count(watched.out.begin(), watched.out.end(), '\n'), 1) << watched.out;
     EXPECT_EQ(nlohmann::json::parse(watched.out, nullptr, false).size(), 2u);
 }

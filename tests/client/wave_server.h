@@ -18,7 +18,7 @@ inline std::unique_ptr<server::NetServer> serve(server::Host& sea) {
     server::NetOptions options;
     options.listen = "127.0.0.1:0";
     // A machine that is busy with other things is no reason to cut a client off.
-    options.write_timeout = options.idle_timeout = std::chrono::minutes(5);
+    options.write_timeout = options.idle_timeout = options.hello_deadline = std::chrono::minutes(5);
     auto started = server::NetServer::start(options, sea);
     EXPECT_TRUE(started) << started.error().message;
     return started ? *std::move(started) : nullptr;
@@ -38,6 +38,17 @@ class WaveServer : public ::testing::Test {
         state.epoch = epoch;
         state.start_time_us = start_us;
         net->announce(std::make_shared<const protocol::Bytes>(protocol::sea_state(state)));
+    }
+
+    /// The time of the sea and that of a client, read within 0.1 ms, which a busy machine does not always give.
+    template <class Client>
+    std::pair<sea::TimeUs, sea::TimeUs> both_times(Client& client) const {
+        for (;;) {
+            const sea::TimeUs truly_us = sea.sea_time_us();
+            const sea::TimeUs now_us = client.now_us();
+            if (sea.sea_time_us() < truly_us + 100)
+                return {truly_us, now_us};
+        }
     }
 
     void SetUp() override {

@@ -203,6 +203,16 @@ class Fleet:
         finally:
             line.close()
 
+    def state(self, name):
+        """Of a server that answers, however long a busy machine takes."""
+        bodies = []
+
+        def answers():
+            bodies.append(self.page(name, "/v1/state")[1])
+            return bodies[-1]
+        self.wait_for(answers, f"the state of {name}")
+        return json.loads(bodies[-1])
+
     def ready(self, name):
         return name in self.processes and self.page(name, "/readyz")[0] == 200
 

@@ -165,8 +165,10 @@ Comparison compare(const std::vector<Frame>& fast, const std::vector<Frame>& slo
         const Frame& before = *std::prev(after);
         const double share = (frame.clock_s - before.clock_s) / (after->clock_s - before.clock_s);
         ++found.frames;
-        if (((frame.flags | before.flags | after->flags) & sea::answer_extrapolated) != 0)
-            ++found.without_keyframes;
+        if (((frame.flags | before.flags | after->flags) & sea::answer_extrapolated) != 0) {
+            ++found.without_keyframes; // and says so: its heights are no promise
+            continue;
+        }
         for (std::size_t i = 0; i < places; ++i) {
             const double a = static_cast<double>(before.height_m[i]);
             const double b = static_cast<double>(after->height_m[i]);
@@ -215,8 +217,9 @@ int meet(const Options& options) {
     const double from_s = last_event_s + options.settle_s;
     Comparison found =
         compare(frames_in(folder + "_fast", from_s), frames_in(folder + "_slow", from_s));
-    if (!well || found.apart_m.empty()) {
-        fmt::print(stderr, "a client has shown nothing\n");
+    if (!well || 5 * found.without_keyframes >= found.frames) {
+        fmt::print(stderr, "of {} frames {} without keyframes around them: that is no sea\n",
+                   found.frames, found.without_keyframes);
         return 1;
     }
     const auto apart_mm = [&](double share) { return 1000 * quantile(found.apart_m, share); };

@@ -33,7 +33,9 @@ TEST_F(LocalWindow, runs_by_the_clock_from_the_time_that_was_asked_for_and_copie
     EXPECT_GE(viewer_->sea_time_us(), 500'000'000);
     EXPECT_LT(viewer_->sea_time_us(), 620'000'000);
     const sea::TimeUs then_us = viewer_->sea_time_us();
-    ASSERT_TRUE(step_until([&] { return viewer_->sea_time_us() > then_us + 1'500'000; }));
+    ASSERT_TRUE(step_until([&] {
+        return viewer_->sea_time_us() > then_us + 1'500'000 && !viewer_->model().stale_s;
+    })) << text();
     std::string said;
     for (const auto& rows :
          {viewer_->model().connection, viewer_->model().rates, viewer_->model().sea})

@@ -16,7 +16,9 @@
 #include "server/journal/sea_clock.h"
 #include "server/journal/sqlite_journal.h"
 #include "tests/server/change_bench.h"
+#include "tests/server/net/clients.h"
 #include "tests/support/eventually.h"
+#include "tests/support/metrics_page.h"
 #include "tests/support/read_file.h"
 
 namespace seaway::changes {
@@ -91,8 +93,13 @@ TEST(Changes, a_client_that_samples_sees_a_storm_come_without_a_jump_and_right_t
         }
     }
     ASSERT_GE(points.size(), 20u) << "50 a second";
-    EXPECT_LT(extrapolated, static_cast<int>(points.size()) / 10)
-        << "keyframes come in time, of each sea";
+    const std::string page = tests::ask_http(tests::port_of(url), "/metrics", "GET").body;
+    const double left_out = tests::figure_of(page, "seaway_keyframes_skipped_total") +
+                            tests::figure_of(page, "seaway_net_keyframes_dropped_total");
+    // On a busy machine each of those is missed for half a second.
+    EXPECT_LT(extrapolated, 0.1 * static_cast<double>(points.size()) + 25 * left_out)
+        << "keyframes come in time, of each sea: " << extrapolated << " of " << points.size()
+        << page;
     EXPECT_GT(client->sea_state(client->now_us())->realised.hs_m,
               2 * client->sea_state(0)->realised.hs_m);
     // Who comes now sees the same sea, and who asks about the past the one that was.
@@ -336,8 +343,8 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     refused({"set", "accuracy.height_error_m=0.5"}, "accuracy cannot change");
     refused({"load", SEAWAY_SOURCE_DIR "/scenes/hurricane.toml"},
             "cannot change while the sea runs");
-    EXPECT_TRUE(std::regex_search(
-        server.log(), std::regex("what=\"a scene of [0-9]+ bytes, fnv1a [0-9a-f]{16}\"")))
+    const std::regex scene("what=\"a scene of [0-9]+ bytes, fnv1a [0-9a-f]{16}\"");
+    EXPECT_TRUE(tests::eventually([&] { return std::regex_search(server.log(), scene); }))
         << server.log();
     EXPECT_NE(server.log().find("event=change_refused session="), std::string::npos)
         << "who runs the server sees it too: " << server.log();
@@ -367,7 +374,7 @@ TEST(Changes, are_for_administrators_and_refused_with_what_is_wrong) {
     const std::string number = std::to_string(client->welcome().session);
     EXPECT_NE(ctl(url, {"sessions"}).words.find("\"session\": " + number), std::string::npos);
     EXPECT_EQ(ctl(url, {"drop", number}).code, 0);
-    EXPECT_TRUE(tests::eventually([&] { return !client->is_open(); }));
+    EXPECT_TRUE(tests::eventually([&] { return !client->closed_reason().empty(); }));
     EXPECT_NE(client->closed_reason().find("dropped"), std::string::npos)
         << client->closed_reason();
 }

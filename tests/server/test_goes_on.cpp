@@ -116,8 +116,9 @@ void expect_a_standing_sea(const std::vector<Sampler::Look>& looks, const client
     const auto longest =
         std::ranges::max_element(state.cascades, {}, &protocol::CascadeInfo::interval_us);
     sea::TimeUs first_us = std::numeric_limits<sea::TimeUs>::max();
-    int standing = 0;
+    double standing_s = 0;
     const sea::Answer* before = nullptr;
+    sea::TimeUs before_us = 0;
     for (const Sampler::Look& look : looks) {
         ASSERT_TRUE(look.answer) << static_cast<int>(look.why);
         const sea::Answer& answer = *look.answer;
@@ -131,11 +132,12 @@ void expect_a_standing_sea(const std::vector<Sampler::Look>& looks, const client
                 EXPECT_GE(answer.error_m, before->error_m * (1 - 1e-3));
             }
             EXPECT_NEAR(answer.height_m, before->height_m, 0.05) << "from one frame to the next";
-            ++standing;
+            standing_s += sea::seconds_from_us(look.point.time_us - before_us);
         }
         before = stands ? &answer : nullptr;
+        before_us = look.point.time_us;
     }
-    EXPECT_GT(standing, 60) << "a second of three";
+    EXPECT_GT(standing_s, 1) << "of three";
 }
 
 std::vector<std::string> arguments(int port, const std::string& data_dir,
@@ -205,12 +207,14 @@ TEST_F(GoesOn, after_a_server_was_killed_and_came_again_at_another_port) {
     ASSERT_TRUE(samples_now());
     Sampler sampler(*client);
     std::this_thread::sleep_for(milliseconds(500));
+    const sea::TimeUs held_until_us = client->status().held_until_us;
     kill_server();
     EXPECT_TRUE(is_in(LinkState::waiting));
     const client::ClientStatus lost = client->status();
     EXPECT_NE(lost.reason, "");
     EXPECT_GT(lost.stale_s, 0);
-    EXPECT_TRUE(lost.holds_tiles);
+    EXPECT_TRUE(lost.holds_tiles || client->now_us() > held_until_us + 500'000)
+        << "unless this thread stood still";
     // Beyond the last keyframe the sea stands, and that is said.
     std::this_thread::sleep_for(std::chrono::seconds(3));
     serve(arguments(0, folder));
@@ -220,11 +224,11 @@ TEST_F(GoesOn, after_a_server_was_killed_and_came_again_at_another_port) {
     expect_no_jump_in_time(looks);
     EXPECT_GT(expect_the_sea(*client, looks), 0) << "what was held was flagged";
     expect_a_standing_sea(looks, *client->sea_state(looks.back().point.time_us));
+    EXPECT_TRUE(tests::eventually([&] { return client->status().stale_s == 0; }));
     const client::ClientStatus status = client->status();
     EXPECT_EQ(status.state, LinkState::connected);
     EXPECT_EQ(status.connections, 2);
     EXPECT_EQ(status.seas, 1);
-    EXPECT_EQ(status.stale_s, 0);
     const std::scoped_lock lock(mutex);
     const auto other = std::ranges::find_if(told, [](const client::ClientStatus& said) {
         return said.state != LinkState::connected; // before it was told what is held
@@ -284,9 +288,9 @@ TEST_F(GoesOn, stays_away_for_as_long_as_a_server_that_stops_says_and_comes_back
     connect(true, false);
     ASSERT_TRUE(samples_now());
     Sampler sampler(*client);
+    const std::int64_t lost_us = client::local_now_us();
     server->send(SIGTERM);
     ASSERT_TRUE(is_in(LinkState::waiting));
-    const std::int64_t lost_us = client::local_now_us();
     EXPECT_THAT(client->status().reason, testing::HasSubstr("shutting_down"));
     EXPECT_EQ(client->end()->retry_after_ms, 3000u);
     ASSERT_TRUE(server->wait_for_exit(std::chrono::seconds(30)));

@@ -82,7 +82,11 @@ TEST(LongLog, a_clock_that_is_behind_for_a_while_undoes_no_change) {
     }
     machine.utc_us -= 3600 * second_us;
     Start server(folder, machine);
-    EXPECT_EQ(log.lines_with("event=sea_clock_behind by_s=3000.0").size(), 1u) << log.text();
+    // Of when the change was made, or, where the first server had a second for that, of when its sea began.
+    EXPECT_EQ(log.lines_with("event=sea_clock_behind by_s=3000.0").size() +
+                  log.lines_with("event=sea_clock_behind by_s=3600.0").size(),
+              1u)
+        << log.text();
     const Result<SeaPromise> refused = server.set_wind("3.0");
     ASSERT_FALSE(refused) << "it would take over from the one that has run";
     EXPECT_TRUE(refused.error().is(Refusal::busy));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast the sea runs: real programs, a pause, a faster sea, restarts in both.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -50,7 +51,11 @@ double measured_pace(client::Client& client) {
 
 /// The pace holds after a second; clocks that have just met slew by half a per cent.
 void expect_pace(client::Client& client, double pace) {
-    EXPECT_NEAR(measured_pace(client), pace, 0.02 + 0.02 * pace);
+    double measured = measured_pace(client);
+    // A busy machine tells it late.
+    for (int i = 0; i < 2 && std::abs(measured - pace) > 0.02 + 0.02 * pace; ++i)
+        measured = measured_pace(client);
+    EXPECT_NEAR(measured, pace, 0.02 + 0.02 * pace);
 }
 
 // Naive: the server waits for its next keyframe in sea time, or publishes a quarter of a second of a sea ahead that runs ten
@@ -71,7 +76,13 @@ TEST(
         expect_pace(*client, pace);
         const auto late = connect(url); // who comes later is told
         ASSERT_TRUE(late);
-        EXPECT_NEAR(now_s(*late), now_s(*client), 0.05 * (1 + pace)) << rate;
+        double apart_s =
+            1e9; // at some moment at which this thread was not kept from looking at both
+        for (int i = 0; i < 100; ++i) {
+            const double before_s = now_s(*client), late_s = now_s(*late), after_s = now_s(*client);
+            apart_s = std::min(apart_s, std::max(before_s - late_s, late_s - after_s));
+        }
+        EXPECT_LE(apart_s, 0.05 * (1 + pace)) << rate;
         EXPECT_NE(ctl(url, {"state"}).words.find(fmt::format("\"pace\": {:.1f}", pace)),
                   std::string::npos);
         std::vector<sea::QueryPoint> points;

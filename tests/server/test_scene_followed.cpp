@@ -107,11 +107,13 @@ TEST(Changes, a_watch_of_the_scene_goes_through_one_without_tiles) {
     tests::ServerProcess server(arguments(tests::folder().file("scene_watched")));
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    const Said said = ctl(url, {"set", "systems.0.wind_speed_10m_mps=14", "--over", "10s"});
+    // The watch is to be there before it begins.
+    const Said said =
+        ctl(url, {"set", "systems.0.wind_speed_10m_mps=14", "--over", "10s", "--at", "10"});
     ASSERT_EQ(said.code, 0) << said.words;
     const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
     const tests::Output ran = tests::run_command(fmt::format(
-        "timeout 40 {}/seaway-query {} --at 3,4 --local --from scene --watch 5 --format csv "
+        "timeout 60 {}/seaway-query {} --at 3,4 --local --from scene --watch 5 --format csv "
         "| awk -F, '{{print; fflush()}} $3 + 0 > {} {{exit}}'",
         SEAWAY_BIN_DIR, url, end_s + 2));
     EXPECT_EQ(ran.err, "");
@@ -125,7 +127,9 @@ TEST(Changes, a_watch_of_the_scene_goes_through_one_without_tiles) {
         if (row.starts_with("x_m"))
             continue;
         ASSERT_EQ(values.size(), 12u) << row;
-        EXPECT_LT(values[10], made_error_m) << "of waves: " << row;
+        if (!(static_cast<unsigned>(values[11]) & sea::answer_stale)) {
+            EXPECT_LT(values[10], made_error_m) << "of waves: " << row;
+        }
         on_the_way += values[2] > start_s && values[2] < end_s;
         behind += values[2] > end_s;
     }

@@ -153,7 +153,8 @@ TEST_F(Director, changes_that_another_takes_over_from_are_promised_no_more) {
         }
         EXPECT_EQ(promised, by_another ? changes_promised_max - 1 : changes_promised_max)
             << "with the one of before";
-        const TimeUs start_us = later_us - 1'500'000;
+        const TimeUs start_us =
+            later_us - 200'000; // a busy machine takes most of a second for each
         if (by_another) {
             const std::uint32_t number = following().played + 1;
             journal.by_another({number, start_us, start_us + 20'000'000, windy()});
@@ -194,9 +195,9 @@ TEST_F(Director, a_pace_that_was_written_too_late_is_followed_by_one_in_which_al
     const Result<SeaPromise> made = asked(pause);
     ASSERT_TRUE(made) << made.error().message;
     const std::vector<SeaChange> written = journal.since(1).value();
-    ASSERT_EQ(written.size(), 2u);
-    const sea::Pace second = written[1].pace.value();
-    EXPECT_EQ(made->change, 3u);
+    ASSERT_GE(written.size(), 2u) << "and more where a busy machine took longer still";
+    const sea::Pace second = written.back().pace.value();
+    EXPECT_EQ(made->change, written.size() + 1);
     EXPECT_EQ(made->start_us, second.sea_us);
     ASSERT_EQ(told.size(), 1u) << "one that held already is nothing that anybody can follow";
     EXPECT_EQ(told.front(), protocol::pace(second));
@@ -243,8 +244,13 @@ TEST_F(Director,
     const TimeUs from_us = clock.moment().elapsed_us - 1'000'000;
     const TimeUs before_us = clock.now_us();
     journal.by_another({.epoch = 2, .scene = {}, .pace = sea::Pace{from_us, from_us, 500}});
-    ASSERT_TRUE(tests::eventually([&] { return following().kind_of_doubt() == Doubt::ahead; }));
-    EXPECT_NE(following().doubt().find("heard of a pace too late"), std::string::npos);
+    std::string doubt; // as long as there is one
+    ASSERT_TRUE(tests::eventually([&] {
+        const auto now = following();
+        doubt = now.doubt();
+        return now.kind_of_doubt() == Doubt::ahead;
+    }));
+    EXPECT_NE(doubt.find("heard of a pace too late"), std::string::npos);
     EXPECT_GE(clock.now_us(), before_us);
     EXPECT_TRUE(tests::eventually([&] { return following().kind_of_doubt() == Doubt::none; }));
 }

@@ -148,7 +148,7 @@ TEST(Model, a_probe_says_what_its_client_says_of_a_server_that_is_gone) {
     const sea::QueryPoint point{1, 2, client->now_us() + 60'000'000};
     ASSERT_TRUE(client->hold({&point.time_us, 1}, 60));
     server.send(SIGKILL);
-    ASSERT_TRUE(tests::eventually([&] { return !client->is_open(); }));
+    ASSERT_TRUE(tests::eventually([&] { return client->status().state != LinkState::connected; }));
     Result<LocalSurface> surface = client->surface(point.time_us);
     ASSERT_TRUE(surface) << surface.error().message;
     const ClientPoints points(client, std::move(*surface));

@@ -125,6 +125,15 @@ class WindowTest : public testing::Test {
     tests::Screenshot shot() const {
         return display_->shot(viewer_->pixels().x, viewer_->pixels().y);
     }
+    /// Of a sea of now: on a busy machine it may be stale meanwhile, and is dimmed.
+    tests::Screenshot live_shot() {
+        int frames = 0;
+        EXPECT_TRUE(step_until([&] {
+            frames = viewer_->model().stale_s ? 0 : frames + 1;
+            return frames > 4; // what was drawn is on the screen
+        })) << text();
+        return shot();
+    }
     void mouse(double x, double y) const {
         display_->tool(fmt::format("mousemove {:.0f} {:.0f}", x, y));
     }

@@ -106,15 +106,22 @@ TEST_F(NetDoor,
     EXPECT_EQ(status("/metrics", "guess4"), 401);
     const HttpAnswer locked = ask_http(port(), "/v1/state", "GET", "Bearer open sesame");
     EXPECT_EQ(locked.status, 429) << "else guessing would go on";
-    EXPECT_EQ(locked.fields.at("Retry-After"), "900") << "a quarter of the hour";
-    EXPECT_NE(locked.body.find("900 s"), std::string::npos) << locked.body;
+    const auto expect_a_quarter_of_the_hour = [guessed =
+                                                   std::chrono::steady_clock::now()](double s) {
+        const std::chrono::duration<double> since = std::chrono::steady_clock::now() - guessed;
+        EXPECT_LE(s, 900);
+        EXPECT_GE(s, 900 - 60 - since.count()) << "since the first guess, on a busy machine";
+    };
+    const std::string& after = locked.fields.at("Retry-After");
+    expect_a_quarter_of_the_hour(std::stod(after));
+    EXPECT_NE(locked.body.find(after + " s"), std::string::npos) << locked.body;
     EXPECT_EQ(knock("open sesame"), protocol::close_code(ErrorCode::too_many_requests));
     Client barred(port());
     ASSERT_FALSE(barred.connect());
     ASSERT_FALSE(barred.send(protocol::hello("c", "open sesame")));
     const wire::Message* const away = barred.receive(Body::GoAway);
     ASSERT_TRUE(away);
-    EXPECT_EQ(away->body_as_GoAway()->retry_after_ms(), 900'000u);
+    expect_a_quarter_of_the_hour(0.001 * away->body_as_GoAway()->retry_after_ms());
     EXPECT_EQ(knock("", "", bearer("master")), 429u);
     EXPECT_EQ(status("/healthz"), 200);
     for (const char* path :
@@ -293,9 +300,15 @@ TEST_F(NetDoor, pages_that_are_made_are_of_the_share_of_who_asks_and_not_for_who
     for (int i = 0; i < 20; ++i)
         EXPECT_EQ(ask_http(net->health_port(), "/metrics", "GET").status, 200);
     EXPECT_EQ(counted("seaway_net_reads_delayed_total"), 0);
-    for (int i = 0; i < 7; ++i)
+    // Seven, and as many as their share comes again for while a busy machine asks: two a second.
+    const auto begun = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    };
+    const auto delayed = [&] { return counted("seaway_net_reads_delayed_total"); };
+    for (int i = 0; i < 7 || (i < 7 + 2 * seconds() && delayed() == 0); ++i)
         EXPECT_EQ(get("/v1/state").status, 200);
-    EXPECT_GE(counted("seaway_net_reads_delayed_total"), 1);
+    EXPECT_GE(delayed(), 1);
 }
 
 TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_the_same) {

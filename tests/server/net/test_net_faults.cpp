@@ -160,10 +160,10 @@ TEST_F(NetFaults, a_reader_at_half_speed_is_shown_what_is_new) {
         EXPECT_FALSE(client.send(protocol::subscribe(1, heights, 1)));
         return ages_of(client, newest, pause, 16);
     };
-    const double before = metric("seaway_net_encoded_bytes_total");
     const std::vector<std::int64_t> thinks = reader(0, 100ms);
-    const double frames = static_cast<double>(newest - 10);
-    const double frame_bytes = (metric("seaway_net_encoded_bytes_total") - before) / frames;
+    const std::string page = get("/metrics").body;
+    const double frame_bytes = figure_of(page, "seaway_net_encoded_bytes_total") /
+                               figure_of(page, "seaway_net_fields_encoded_total");
     const std::vector<std::int64_t> slow_line = reader(frame_bytes / 0.1, 0ms);
     enough = true;
     simulation.join();

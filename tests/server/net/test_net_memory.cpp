@@ -72,6 +72,7 @@ TEST_F(NetMemory, answers_that_nobody_has_read_have_one_bound_for_all_sessions) 
 // Naive: each session that does not read holds the keyframe that it was being sent, another one each.
 TEST_F(NetMemory, who_is_furthest_behind_goes_where_tiles_of_the_stream_fill_their_memory) {
     host.holds(64u * 1024 * 1024); // 4 MiB of them
+    options.write_timeout = std::chrono::minutes(5);
     start();
     const std::string closed = "seaway_net_sessions_closed_total{reason=\"too_slow\"}";
     std::vector<std::unique_ptr<RawPeer>> readers_of_nothing;

@@ -171,7 +171,7 @@ TEST_F(NetTls, pages_and_streams_are_served) {
 // (CMakeLists.txt has that written over).
 TEST_F(NetTls, who_goes_silent_while_he_is_sent_keyframes_is_let_go_and_the_server_lives_on) {
     LogCapture log;
-    options.idle_timeout = std::chrono::milliseconds(4000); // a ping after half of it
+    options.idle_timeout = std::chrono::seconds(6); // a ping after half of it
     options.write_timeout = std::chrono::milliseconds(2500);
     net = *server::NetServer::start(options, host);
     host.size = 256;
@@ -184,7 +184,7 @@ TEST_F(NetTls, who_goes_silent_while_he_is_sent_keyframes_is_let_go_and_the_serv
         EXPECT_NE(peer.hear("seaway " SEAWAY_VERSION).find("SEAW"), std::string::npos);
         say_message(peer, protocol::subscribe(1, {.cascades = 3u, .fields = host.offered}, 8));
     }
-    EXPECT_TRUE(eventually([&] { return metric("seaway_net_subscriptions") == 4; }));
+    EXPECT_TRUE(eventually([&] { return metric("seaway_net_fetches_total") == 4; }));
     for (std::int64_t n = 1; n <= 8; ++n) {
         host.newest = n;
         for (int cascade = 0; cascade < 2; ++cascade)
