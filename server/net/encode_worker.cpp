@@ -2,11 +2,19 @@
 #include "server/net/encode_worker.h"
 
 #include <algorithm>
+#include <chrono>
 #include <new>
 
 #include "base/thread_name.h"
 
 namespace seaway::server {
+
+namespace {
+
+/// What was made for a fetch is remembered for one to two of these: others may ask for the same.
+constexpr std::chrono::seconds trims_every{2};
+
+} // namespace
 
 EncodeWorker::EncodeWorker(MemoryPtr memory)
     : memory_(std::move(memory)), encoder_(memory_->room(MemoryUse::encoded)),
@@ -128,11 +136,25 @@ EncodeWorker::Line* EncodeWorker::next_line() {
 void EncodeWorker::run() {
     name_thread("sea-encoder");
     std::unique_lock lock(mutex_);
+    auto trim_at = std::chrono::steady_clock::now() + trims_every;
     while (true) {
         Line* line = nullptr;
-        wake_.wait(lock, [&] { return stopping_ || (line = next_line()) != nullptr; });
+        const auto called = [&] { return stopping_ || (line = next_line()) != nullptr; };
+        if (encoder_.remembers())
+            wake_.wait_until(lock, trim_at, called);
+        else
+            wake_.wait(lock, called);
         if (stopping_)
             return;
+        if (const auto now = std::chrono::steady_clock::now(); now >= trim_at) {
+            trim_at = now + trims_every;
+            lock.unlock();
+            encoder_.trim();
+            lock.lock();
+            continue; // what was called for may have been left out meanwhile
+        }
+        if (line == nullptr)
+            continue;
         Waiting next = std::move(line->front());
         line->pop_front();
         encoded_now_ = &next;

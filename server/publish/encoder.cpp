@@ -238,7 +238,7 @@ void Encoder::keep(Step step, const sea::Keyframe& sent, const EncodedKeyframe& 
     Room::Place place = room_->take_anyway(4 * sent.plane_size() * sizeof(float));
     bases_.push_back({as.epoch, as.cascade, as.quality, as.number, as.time_us, sent.size, law,
                       std::move(step.height.decoded), std::move(step.rate.decoded),
-                      std::move(step.noise), std::move(place)});
+                      std::move(step.noise), std::move(place), trims_});
 }
 
 Result<EncodedField> Encoder::encode_field(const sea::Keyframe& keyframe, sea::Field field,
@@ -314,6 +314,7 @@ EncodedKeyframePtr Encoder::find(const sea::Keyframe& keyframe, Quality quality)
     if (found == cache_.rend())
         return nullptr;
     found->used = streamed_[{keyframe.cascade, quality}];
+    found->trims = trims_;
     return found->keyframe;
 }
 
@@ -322,11 +323,19 @@ void Encoder::remember(EncodedKeyframePtr encoded) {
     std::erase_if(cache_, [&](const auto& held) { return held.keyframe->number == number; });
     const std::uint64_t used = streamed_[{encoded->cascade, encoded->quality}];
     Room::Place place = room_->take_anyway(encoded->bytes);
-    cache_.push_back({std::move(encoded), std::move(place), used});
+    cache_.push_back({std::move(encoded), std::move(place), used, trims_});
     while (room_->overfull() && !cache_.empty())
         cache_.pop_front();
     while (room_->overfull() && !bases_.empty()) // what comes next is sent whole
         bases_.pop_front();
+}
+
+void Encoder::trim() {
+    std::erase_if(cache_, [this](const Remembered& held) {
+        return held.trims + (held.keyframe->place ? streamed_trims : 0) < trims_;
+    });
+    std::erase_if(bases_, [this](const Base& one) { return one.trims + streamed_trims < trims_; });
+    ++trims_;
 }
 
 void Encoder::forget_what_is_over(const sea::Keyframe& next, Quality quality) {

@@ -90,6 +90,9 @@ class Encoder {
     /// which now lies, and those of the lead (schedule.h) at 20 a second.
     static constexpr std::uint64_t unused_max = 8;
 
+    /// Calls of trim() more for what was streamed: its stream may have ended, or be one of few keyframes.
+    static constexpr std::uint64_t streamed_trims = 15;
+
     /// Remembers what `room` has bytes for at most.
     explicit Encoder(std::shared_ptr<Room> room = Memory().room(MemoryUse::encoded))
         : room_(std::move(room)) {}
@@ -103,6 +106,12 @@ class Encoder {
                                       std::span<const float> codec_error, Quality quality,
                                       sea::FieldSet wanted, const CompactTiles& compact = {},
                                       Room* streamed = nullptr);
+
+    /// Lets go of what nobody has used since the call before the last one, of the stream later: what was made for fetches has no stream
+    /// that goes on.
+    void trim();
+    /// There is something to trim().
+    bool remembers() const { return !cache_.empty() || !bases_.empty(); }
 
     /// With all that has been returned. Any thread.
     EncoderCounters counters() const;
@@ -132,6 +141,7 @@ class Encoder {
         std::vector<float> height, rate;
         PredictedNoise noise;
         Room::Place place;
+        std::uint64_t trims = 0; ///< before its last use
     };
     /// From one keyframe of a cascade to the next.
     struct Step {
@@ -174,7 +184,8 @@ class Encoder {
     struct Remembered {
         EncodedKeyframePtr keyframe;
         Room::Place place;
-        std::uint64_t used = 0; ///< when so many of its cascade and quality had been streamed
+        std::uint64_t used = 0;  ///< when so many of its cascade and quality had been streamed
+        std::uint64_t trims = 0; ///< before its last use
     };
     const std::shared_ptr<Room> room_;
     std::deque<Remembered> cache_;                              ///< newest last
@@ -182,6 +193,7 @@ class Encoder {
     std::deque<Base> bases_;                                    ///< touched last: at the back
     sea::Predictor predictor_;
     std::uint64_t next_number_ = 1;
+    std::uint64_t trims_ = 0;
     std::map<std::pair<int, int>, sea::Regrid> regrids_; ///< by sides, from and to
     mutable std::mutex counting_;                        ///< of what follows
     EncoderCounters counters_;

@@ -41,6 +41,18 @@ TEST_F(NetMemory, a_fetch_that_is_more_than_all_of_that_alone_is_too_large) {
     expect_refused(*client, 1, ErrorCode::too_large, "fetch fewer times or fields");
 }
 
+// Naive: its tiles are remembered until the stream has gone on, which there is none of.
+TEST_F(NetMemory, what_was_encoded_for_a_fetch_goes_when_nobody_asks_for_it_again) {
+    start();
+    const auto client = greeted();
+    const sea::TimeUs time_us = 5;
+    ASSERT_FALSE(client->send(protocol::fetch(1, {&time_us, 1}, heights)));
+    ASSERT_TRUE(client->receive(Body::FetchDone));
+    EXPECT_GT(metric("seaway_net_fields_encoded_total"), 0);
+    EXPECT_TRUE(
+        eventually([&] { return metric("seaway_memory_held_bytes{of=\"encoded\"}") == 0; }));
+}
+
 // Naive: each session may leave a megabyte of replies unread: a thousand of them fill the machine.
 TEST_F(NetMemory, answers_that_nobody_has_read_have_one_bound_for_all_sessions) {
     host.answer_queries = false; // under way, they have their room already

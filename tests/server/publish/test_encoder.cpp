@@ -167,6 +167,35 @@ TEST(Encoder, what_nobody_wants_is_forgotten_when_its_stream_has_gone_on) {
     EXPECT_FALSE(knows(0, 99 - static_cast<int>(Encoder::unused_max) - 1));
 }
 
+// Naive: what a flood has fetched has no stream that goes on, and is remembered for as long as the server runs.
+TEST(Encoder, what_was_fetched_is_forgotten_in_time_and_what_was_streamed_later) {
+    Encoder encoder;
+    const auto room = server::Room::of(1'000'000'000);
+    const float bound[] = {0.001f};
+    const auto encodes = [&](sea::TimeUs time_us, server::Room* streamed = nullptr) {
+        const std::uint64_t before = encoder.counters().fields_encoded;
+        EXPECT_TRUE(encoder.encode(keyframe(16, {sea::Field::height}, 0, time_us), bound, 0,
+                                   {sea::Field::height}, {}, streamed));
+        return encoder.counters().fields_encoded > before;
+    };
+    EXPECT_FALSE(encoder.remembers());
+    EXPECT_TRUE(encodes(1) && encodes(2) && encodes(3, room.get()));
+    encoder.trim();
+    EXPECT_FALSE(encodes(1)) << "somebody asks for it again";
+    encoder.trim();
+    EXPECT_FALSE(encodes(1));
+    EXPECT_FALSE(encodes(3)) << "who begins to subscribe wants it";
+    EXPECT_TRUE(encodes(2));
+    for (std::uint64_t i = 0; i <= Encoder::streamed_trims; ++i) {
+        EXPECT_TRUE(encoder.remembers());
+        encoder.trim();
+    }
+    encoder.trim();
+    EXPECT_FALSE(encoder.remembers());
+    EXPECT_EQ(encoder.remembered_bytes(), 0u);
+    EXPECT_EQ(room->held_bytes(), 0u);
+}
+
 TEST(Encoder, any_mix_of_keyframes_leaves_the_count_equal_to_the_bytes_held_and_below_the_limit) {
     // What the encoder alone keeps alive is what it remembers.
     const sea::FieldSet all{sea::Field::height, sea::Field::slope_x, sea::Field::foam};
