@@ -135,6 +135,7 @@ std::size_t Batch::grow(std::span<const NativeTask> tasks) {
             scratch_.push_back(allocate_floats(scratch));
         scratch_floats_ = scratch;
     }
+    lines_needed_ = std::max(lines_needed_, lines);
     if (lines > lines_floats_) {
         for (AlignedFloats& buffer : lines_)
             buffer = allocate_floats(lines);
@@ -160,6 +161,17 @@ std::span<const Phase> Batch::prepare(std::span<const NativeTask> tasks, std::si
         phases_.push_back({pass.pass == Pass::columns ? run_columns : run_rows, &work_[pass.task],
                            pass.chunks, pass.after});
     return phases_;
+}
+
+void Batch::trim() {
+    if (++trims_ % trims_a_look != 0)
+        return;
+    if (lines_needed_ < lines_floats_) {
+        for (AlignedFloats& buffer : lines_)
+            buffer.reset();
+        lines_floats_ = 0;
+    }
+    lines_needed_ = 0;
 }
 
 std::vector<NativeLines> Batch::lines(std::size_t task) const {

@@ -29,8 +29,13 @@ class Batch {
     std::span<const Phase> prepare(std::span<const NativeTask> tasks, std::size_t held = 0);
 
     /// Of one task of the last prepare() whose phases have run, while no later task has had its
-    /// buffer.
+    /// buffer, and before trim().
     std::vector<NativeLines> lines(std::size_t task) const;
+
+    /// Each trims_a_look-th call lets go of the buffers of lines where no task since the last look had need of such large ones.
+    static constexpr int trims_a_look = 4;
+    void trim();
+    std::size_t lines_floats() const { return lines_floats_; } ///< of each buffer
 
   private:
     /// One task as the kernels take it.
@@ -54,6 +59,8 @@ class Batch {
     std::size_t scratch_floats_ = 0;
     AlignedFloats lines_[buffers_max]; ///< between the passes
     std::size_t lines_floats_ = 0;
+    std::size_t lines_needed_ = 0; ///< since trim() looked
+    int trims_ = 0;
     std::vector<Work> work_;
     std::vector<Phase> phases_;
 };

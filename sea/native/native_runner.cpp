@@ -42,6 +42,10 @@ void NativeRunner::run(std::span<const NativeTask> tasks) {
     state_->pool.run(state_->batch.prepare(tasks));
 }
 
+void NativeRunner::trim() {
+    state_->batch.trim();
+}
+
 std::vector<NativeLines> NativeRunner::run_and_show(const NativeTask& task) {
     run({&task, 1});
     return state_->batch.lines(0);

@@ -80,6 +80,9 @@ class NativeRunner {
     /// then never idle between them.
     void run(std::span<const NativeTask> tasks);
 
+    /// From time to time: lets go of lines of which the last few of these calls saw no need.
+    void trim();
+
     /// Runs one task and copies its lines, for pictures of intermediate results.
     std::vector<NativeLines> run_and_show(const NativeTask& task);
 

@@ -141,6 +141,11 @@ NativeSynthesizer::synthesize(std::span<const KeyframeRequest> requests) try {
     return Error{DeviceError::out_of_memory, "native synthesis: out of memory"};
 }
 
+void NativeSynthesizer::trim() {
+    runner_.trim();
+    spare_->trim();
+}
+
 Result<std::vector<SynthesisStage>> NativeSynthesizer::stages(const KeyframeRequest& request) {
     const sea::NativeTransform& cascade = *cascades_[static_cast<std::size_t>(request.cascade)];
     const auto size = static_cast<std::size_t>(cascade.size());

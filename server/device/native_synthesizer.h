@@ -25,6 +25,7 @@ class NativeSynthesizer final : public Synthesizer {
     synthesize(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override { return counters_; }
+    void trim() override;
 
   private:
     /// `strains`: a keyframe that has them, where the turn looks at any.

@@ -49,6 +49,10 @@ class RebuiltSynthesizer final : public Synthesizer {
     synthesize(std::span<const KeyframeRequest> requests) override;
 
     SynthesisCounters counters() const override;
+    void trim() override {
+        if (device_)
+            device_->trim();
+    }
     std::uint64_t rebuilds() const { return rebuilds_; }
 
   private:

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buffers of keyframes that nobody holds any more, kept for the next ones: fresh memory costs a
-// page fault every 4 KB, as much time as the maps themselves. Thread-safe.
+// page fault every 4 KB, as much time as the maps themselves. What no keyframe has come for is let go of by trim(). Thread-safe.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -14,19 +17,23 @@ namespace seaway::server {
 
 class SpareBuffers {
   public:
+    /// Calls of trim() over which a buffer waits for a keyframe: two seconds, more than there are between those of a stream.
+    static constexpr int kept_trims = 4;
+
     SpareBuffers() { held_.reserve(most_held); } // so that give() never allocates
 
     /// A buffer of exactly this many values, of any content.
     sea::MapValues::Floats take(std::size_t values) {
         {
             const std::lock_guard lock(mutex_);
-            for (sea::MapValues::Floats& held : held_) {
-                if (held.size() != values)
-                    continue;
-                sea::MapValues::Floats found = std::move(held);
-                held = std::move(held_.back());
-                held_.pop_back();
-                return found;
+            // The last that was given comes first, so that those that are one too many wait on.
+            const auto found =
+                std::find_if(held_.rbegin(), held_.rend(),
+                             [values](const Held& held) { return held.buffer.size() == values; });
+            if (found != held_.rend()) {
+                sea::MapValues::Floats buffer = std::move(found->buffer);
+                held_.erase(std::next(found).base());
+                return buffer;
             }
         }
         return sea::MapValues::Floats(values);
@@ -37,12 +44,18 @@ class SpareBuffers {
         if (buffer.empty())
             return;
         const std::lock_guard lock(mutex_);
-        if (held_.size() < most_held)
-            held_.push_back(std::move(buffer));
-        else
-            std::swap(held_[oldest_++ % most_held], buffer);
+        if (held_.size() == most_held)
+            held_.erase(held_.begin());
+        held_.push_back({std::move(buffer), trims_});
     }
 
+    /// Lets go of buffers that have been here for kept_trims of these calls.
+    void trim() {
+        const std::lock_guard lock(mutex_);
+        ++trims_;
+        std::erase_if(held_,
+                      [this](const Held& held) { return held.given + kept_trims <= trims_; });
+    }
     void clear() {
         const std::lock_guard lock(mutex_);
         held_.clear();
@@ -50,9 +63,13 @@ class SpareBuffers {
 
   private:
     static constexpr std::size_t most_held = 8;
+    struct Held {
+        sea::MapValues::Floats buffer;
+        std::int64_t given; ///< after so many trims
+    };
     std::mutex mutex_;
-    std::vector<sea::MapValues::Floats> held_;
-    std::size_t oldest_ = 0;
+    std::vector<Held> held_; ///< the last that was given last
+    std::int64_t trims_ = 0;
 };
 
 /// A keyframe that gives its values back to `spare` when its last holder lets it go.

@@ -160,6 +160,9 @@ class Synthesizer : public KeyframeMaker {
     }
 
     virtual SynthesisCounters counters() const = 0;
+
+    /// From time to time: lets go of memory for work that has not been needed over the last few of these calls.
+    virtual void trim() {}
 };
 
 } // namespace seaway::server

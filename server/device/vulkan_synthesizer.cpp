@@ -39,6 +39,7 @@ class Vulkan final : public VulkanSynthesizer {
     synthesize_there(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override { return counters_ + readbacks_.counters(); }
+    void trim() override { spare_->trim(); }
     std::vector<std::string> validation_messages() const override {
         return device_->validation().validation_messages();
     }

@@ -34,6 +34,7 @@ class CourseSynthesis final : public KeyframeMaker {
     synthesize(std::span<const KeyframeRequest> requests) override;
 
     const RebuiltSynthesizer& device() const { return *device_; }
+    void trim() { device_->trim(); }
 
   private:
     /// What the device holds: an epoch, and of a glide the moment, or what that grows by.

@@ -148,6 +148,36 @@ TEST(Batch, threads_that_lose_their_core_change_nothing) {
     }
 }
 
+// Naive: lines that one keyframe of all fields needed are held for good.
+TEST(Batch, lets_go_of_lines_that_tasks_no_longer_need_and_makes_the_same_maps) {
+    Sea sea(0);
+    Batch batch(1);
+    const auto runs = [&batch](std::span<const NativeTask> tasks) {
+        run_in_some_order(batch.prepare(tasks), 1, 1);
+    };
+    const auto trimmed = [&batch](int looks) {
+        for (int trim = 0; trim < looks * Batch::trims_a_look; ++trim)
+            batch.trim();
+        return batch.lines_floats();
+    };
+    const std::span<const NativeTask> all = sea.tasks(), small = all.subspan(2, 1);
+    runs(small);
+    const std::size_t of_small = batch.lines_floats();
+    runs(all);
+    const std::size_t of_all = batch.lines_floats();
+    EXPECT_GT(of_all, 4 * of_small);
+    EXPECT_EQ(trimmed(1), of_all) << "they were needed since the last look";
+    runs(small);
+    EXPECT_EQ(trimmed(1), 0u) << "such large ones were not";
+    runs(small);
+    EXPECT_EQ(batch.lines_floats(), of_small);
+    EXPECT_EQ(trimmed(1), of_small) << "these were";
+    EXPECT_EQ(trimmed(1), 0u) << "nothing was";
+    sea.forget();
+    runs(all);
+    EXPECT_TRUE(sea.right());
+}
+
 // Naive: what is let go of to make room for a larger task is still taken to be there.
 TEST(Batch, that_has_no_memory_for_a_larger_task_does_the_smaller_ones_as_before) {
     const NativeTransform small = *NativeTransform::create(random_modes(64, 20, 1), {});

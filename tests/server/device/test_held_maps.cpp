@@ -159,6 +159,30 @@ TEST(SpareBuffers, keyframes_that_leave_no_memory_take_no_place_of_those_that_do
     EXPECT_TRUE(spare->take(0).empty());
 }
 
+// Naive: what one flood of larger keyframes left is kept for the next, which never comes.
+TEST(SpareBuffers, what_no_keyframe_has_come_for_is_let_go_of_and_what_is_used_stays) {
+    SpareBuffers spare;
+    const auto marked = [&spare](std::size_t values, float mark) {
+        sea::MapValues::Floats buffer = spare.take(values);
+        buffer[0] = mark;
+        return buffer;
+    };
+    sea::MapValues::Floats first = marked(16, 7.0f), second = marked(16, 8.0f),
+                           other = marked(9, 9.0f);
+    spare.give(std::move(other));
+    spare.give(std::move(second));
+    spare.give(std::move(first));
+    for (int trim = 1; trim < SpareBuffers::kept_trims; ++trim) {
+        spare.trim();
+        spare.give(spare.take(16)); // a stream goes on, and needs one
+    }
+    EXPECT_EQ(spare.take(9)[0], 9.0f) << "it is still there";
+    spare.trim();
+    sea::MapValues::Floats used = spare.take(16);
+    EXPECT_EQ(used[0], 7.0f) << "the one that the stream uses";
+    EXPECT_EQ(spare.take(16)[0], 0.0f) << "nobody has come for it: fresh memory holds zeros";
+}
+
 TEST(MapValues, lent_ones_are_written_in_place_and_let_go_of_once) {
     std::vector<float> memory(4, 1.0f);
     int gone = 0;
