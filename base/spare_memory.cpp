@@ -36,7 +36,16 @@ int give_back_code(dl_phdr_info* library, std::size_t, void* drivers_too) {
     return 0;
 }
 
+/// From here on a block is the system's own: as large as malloc lets that become by itself, so that blocks that come and go stay in an arena.
+constexpr int mapped_bytes_min = 32 << 20;
+constexpr int arena_end_bytes_max = 1 << 20;
+
 } // namespace
+
+void keep_ends_of_arenas_short() {
+    ::mallopt(M_MMAP_THRESHOLD, mapped_bytes_min);
+    ::mallopt(M_TRIM_THRESHOLD, arena_end_bytes_max);
+}
 
 void give_back_spare_memory() {
     static std::atomic<bool> drivers_too =

@@ -9,4 +9,9 @@ namespace seaway {
 /// that found no device). It is mapped from its file and comes back page by page where it runs again. Thread-safe. Of the code 10 us, of blocks what malloc_trim takes.
 void give_back_spare_memory();
 
+/// Once, before there are threads: what each of them has freed at the end of its arena is given back from a megabyte on. malloc_trim() does
+/// not look there but for the first thread, and malloc itself would keep twice the largest block that was ever freed (mallopt(3),
+/// "dynamic adjustment"), a megabyte and more a thread. For the process: a library leaves it alone.
+void keep_ends_of_arenas_short();
+
 } // namespace seaway

@@ -271,6 +271,7 @@ int list_devices() {
 int main(int argc, char** argv) {
     using namespace seaway::server;
     seaway::hold_standard_files();
+    seaway::keep_ends_of_arenas_short();
     try {
         set_log_format("text");
         const auto options = read_options(argc, argv);
