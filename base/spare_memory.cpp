@@ -47,6 +47,19 @@ void keep_ends_of_arenas_short() {
     ::mallopt(M_TRIM_THRESHOLD, arena_end_bytes_max);
 }
 
+void give_back_pages(std::span<std::byte> bytes) {
+    const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+    const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data());
+    const std::uintptr_t first = (begin + page - 1) / page * page;
+    const std::uintptr_t end = (begin + bytes.size()) / page * page;
+    if (end <= first)
+        return;
+    // Memory that is a file without a name is given up by the file, or it is none and says so.
+    auto* const pages = reinterpret_cast<void*>(first);
+    if (::madvise(pages, end - first, MADV_REMOVE) != 0)
+        (void)::madvise(pages, end - first, MADV_DONTNEED);
+}
+
 void give_back_spare_memory() {
     static std::atomic<bool> drivers_too =
         true; // once: what the one in use needs comes back for good

@@ -2,6 +2,9 @@
 // What the process has in memory and does not use, given back to the system.
 #pragma once
 
+#include <cstddef>
+#include <span>
+
 namespace seaway {
 
 /// Freed blocks, which would stay in the arenas of their threads (hundreds of MB after a flood), and code that ran at the
@@ -13,5 +16,8 @@ void give_back_spare_memory();
 /// not look there but for the first thread, and malloc itself would keep twice the largest block that was ever freed (mallopt(3),
 /// "dynamic adjustment"), a megabyte and more a thread. For the process: a library leaves it alone.
 void keep_ends_of_arenas_short();
+
+/// Of mapped memory whose content is lost on purpose: the pages that lie wholly within go back, and fresh ones come when it is written next.
+void give_back_pages(std::span<std::byte> bytes);
 
 } // namespace seaway

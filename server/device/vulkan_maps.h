@@ -7,6 +7,8 @@
 // computed on has been given up; the rest is for one.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -25,6 +27,9 @@ inline constexpr std::size_t held_map_bytes_max = std::size_t{128} << 20;
 
 class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
   public:
+    /// Calls of trim() over which the pages of a map that was given back wait for the next.
+    static constexpr int kept_trims = 4;
+
     /// As many maps as may be held.
     static Result<std::shared_ptr<VulkanMaps>> create(std::shared_ptr<gpu::Device> device, int size,
                                                       std::size_t bytes_max = held_map_bytes_max);
@@ -37,23 +42,52 @@ class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
     /// Those that were taken, as the values of a keyframe that gives them back. Where the CPU can read them.
     sea::MapValues lend(std::size_t first, std::size_t count);
 
+    /// From time to time: where device memory is this process's own, which it is of a processor as device, pages of maps that
+    /// have been free over kept_trims of these calls go back to the system. Not beside take(). Some 16 MB a call, a millisecond.
+    void trim();
+
     const gpu::Buffer& buffer() const { return buffer_; }
     const gpu::TexelView& view() const { return view_; }
     std::size_t held() const;
     /// What there is to say where a keyframe finds no place: it needs so many, and has taken `own` of them.
     Error full(std::size_t own, std::size_t needed) const;
-    std::size_t size() const { return taken_.size(); }
+    std::size_t size() const { return places_.size(); }
 
   private:
     VulkanMaps(std::shared_ptr<gpu::Device> device, std::size_t floats)
         : device_(std::move(device)), map_floats_(floats) {}
+    /// Of maps from `first` on, so many in a row that have been free for long enough: their pages are as good as given back.
+    std::size_t forget_pages(std::size_t first, std::size_t most);
 
     const std::shared_ptr<gpu::Device> device_; ///< goes last
     const std::size_t map_floats_;
     gpu::Buffer buffer_;
     gpu::TexelView view_;
     mutable std::mutex mutex_; ///< of what follows
-    std::vector<bool> taken_;
+    struct Place {
+        bool taken = false;
+        bool has_pages = false;  ///< it was taken since trim() gave them back
+        std::uint64_t given = 0; ///< after so many trims
+    };
+    std::vector<Place> places_;
+    std::uint64_t trims_ = 0;
+};
+
+/// Those of every size that was asked for.
+class VulkanMapsBySize {
+  public:
+    /// Made when they are first asked for; null: not even one may be held.
+    Result<VulkanMaps*> of_size(const std::shared_ptr<gpu::Device>& device, int size,
+                                std::size_t bytes_max);
+    /// Those that were made; null: none.
+    VulkanMaps* find(int size) const {
+        const auto found = maps_.find(size);
+        return found != maps_.end() ? found->second.get() : nullptr;
+    }
+    void trim();
+
+  private:
+    std::map<int, std::shared_ptr<VulkanMaps>> maps_;
 };
 
 /// Maps that were taken, to be handed out one after the other; the rest is given back.

@@ -39,7 +39,10 @@ class Vulkan final : public VulkanSynthesizer {
     synthesize_there(std::span<const KeyframeRequest> requests) override;
     Result<std::vector<SynthesisStage>> stages(const KeyframeRequest& request) override;
     SynthesisCounters counters() const override { return counters_ + readbacks_.counters(); }
-    void trim() override { spare_->trim(); }
+    void trim() override {
+        spare_->trim();
+        held_.trim();
+    }
     std::vector<std::string> validation_messages() const override {
         return device_->validation().validation_messages();
     }
@@ -104,8 +107,7 @@ class Vulkan final : public VulkanSynthesizer {
     std::unique_ptr<KernelShelf> kernels_;
     std::size_t held_map_bytes_ = held_map_bytes_max;
     bool maps_stay_ = false;
-    std::map<int, std::shared_ptr<VulkanMaps>>
-        held_;                       ///< by size, of any sea; none: they are copied
+    VulkanMapsBySize held_;          ///< of any sea; none: they are copied
     std::map<int, Group> groups_;    ///< by size, of this sea
     std::map<int, VulkanFoam> foam_; ///< by size, of any sea
     sea::RealizationPtr sea_;
@@ -250,11 +252,7 @@ Result<void> Vulkan::run(std::span<const KeyframeRequest> requests, const Jobs& 
 Result<VulkanMaps*> Vulkan::held_maps(int size) {
     if (!(device_->unified_memory() || maps_stay_) || held_map_bytes_ == 0)
         return static_cast<VulkanMaps*>(nullptr);
-    std::shared_ptr<VulkanMaps>& maps = held_[size];
-    if (!maps) {
-        SEAWAY_TRY_LET(maps, VulkanMaps::create(device_, size, held_map_bytes_));
-    }
-    return maps->size() > 0 ? maps.get() : nullptr;
+    return held_.of_size(device_, size, held_map_bytes_);
 }
 
 template <class Work>
@@ -337,8 +335,8 @@ Result<void> Vulkan::run_jobs(const Run& run, std::span<const KeyframeRequest> r
         keyframes.push_back(keyframe(requests[index]));
         out[index] = keyframes.back();
     }
-    const bool holds = asked > 0 && device_->unified_memory() && held_.contains(batch.size);
-    VulkanMaps* held = holds ? held_[batch.size].get() : nullptr;
+    VulkanMaps* const held =
+        asked > 0 && device_->unified_memory() ? held_.find(batch.size) : nullptr;
     const std::optional<std::size_t> first =
         held != nullptr ? held->take(keyframes.size() * maps) : std::nullopt;
     if (!first)
@@ -398,7 +396,7 @@ Result<StandingKeyframe> Vulkan::run_job_there(const Run& run,
     const RequestBatch& batch = *run.batch;
     const auto asked = static_cast<std::size_t>(batch.fields.size());
     const std::size_t made_of = static_cast<std::size_t>(batch.packing().maps) - asked;
-    VulkanMaps& held = *held_.at(batch.size);
+    VulkanMaps& held = *held_.find(batch.size);
     const std::optional<std::size_t> own = held.take(asked);
     const std::shared_ptr<const void> keeper = own ? held.keeper(*own, asked) : nullptr;
     const auto other = own ? held.take(made_of) : std::nullopt;

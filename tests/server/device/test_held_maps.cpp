@@ -9,6 +9,7 @@
 
 #include "gpu/call.h"
 #include "server/device/spare_buffers.h"
+#include "server/device/vulkan_maps.h"
 #include "server/device/vulkan_synthesizer.h"
 #include "tests/gpu/read_in_place.h"
 #include "tests/server/device/random_sea.h"
@@ -118,6 +119,32 @@ TEST_F(HeldMaps, a_run_that_fails_holds_nothing) {
         gpu::fault::disarm();
     }
     EXPECT_TRUE(keyframe(0)->values.is_lent());
+}
+
+// Naive: what a flood has touched of a pool of 128 MB is held for good, where the device's memory is the process's.
+TEST_F(HeldMaps, pages_that_nobody_needs_any_more_go_back_and_what_is_held_stays) {
+    const bool own = gpu::Device::create({}).value()->info().is_cpu();
+    make(9);
+    sea::KeyframePtr kept = keyframe(0), flood = keyframe(second_us);
+    const sea::KeyframePtr last = keyframe(2 * second_us);
+    const sea::MapValues before = kept->values, next = flood->values, behind = last->values;
+    const float* const place = flood->values.data();
+    const std::size_t inside = std::size_t{64} * 64; // among its pages, not at an end
+    ASSERT_NE(place[inside], 0.0f);
+    flood = nullptr;
+    for (int trim = 1; trim < VulkanMaps::kept_trims; ++trim)
+        device_->trim();
+    EXPECT_NE(place[inside], 0.0f) << "the next may come for it";
+    device_->trim();
+    EXPECT_EQ(place[inside] == 0.0f, own) << "a fresh page";
+    EXPECT_EQ(kept->values, before);
+    EXPECT_EQ(last->values, behind);
+    flood = keyframe(second_us);
+    EXPECT_EQ(flood->values.data(), place);
+    EXPECT_EQ(flood->values, next);
+    for (int trim = 0; trim < 2 * VulkanMaps::kept_trims; ++trim)
+        device_->trim();
+    EXPECT_EQ(flood->values, next) << "it is held";
 }
 
 TEST_F(HeldMaps, what_maps_are_made_of_is_free_at_once) {
