@@ -23,8 +23,8 @@ UNREAD = argparse.Namespace(attack="unread", attackers=4)
 
 
 class MemoryBack(unittest.TestCase):
-    def setUp(self):
-        self.server = load_price.Served(BUILD / "bin/seaway-server", load_price.ROOT / "scenes/north_sea_gale.toml", "--device", "native")
+    def serve(self, device="native"):
+        self.server = load_price.Served(BUILD / "bin/seaway-server", load_price.ROOT / "scenes/north_sea_gale.toml", "--device", device)
         self.addCleanup(self.server.stop)
 
     def reads_maps(self):
@@ -68,12 +68,20 @@ class MemoryBack(unittest.TestCase):
         self.assertTrue(still_there(), "whoever was there before still is")
 
     def test_a_minute_after_a_flood_a_server_has_at_most_a_fifth_more_than_before_beside_who_reads_maps(self):
+        self.serve()
         self.is_back(self.reads_maps())
 
     def test_and_beside_who_samples_one_point(self):
+        self.serve()
         self.is_back(self.queries("--local"))
 
     def test_and_beside_who_asks_for_one_point(self):
+        self.serve()
+        self.is_back(self.queries("--format", "csv"))
+
+    def test_and_on_lavapipe_whose_maps_are_held_in_a_pool(self):
+        """What the flood had touched of the pool would stay: as much as there was before."""
+        self.serve("lavapipe")
         self.is_back(self.queries("--format", "csv"))
 
 
