@@ -54,7 +54,7 @@ void give_back_pages(std::span<std::byte> bytes) {
     const std::uintptr_t end = (begin + bytes.size()) / page * page;
     if (end <= first)
         return;
-    // Memory that is a file without a name is given up by the file, or it is none and says so.
+    // Of a shared mapping (newer llvmpipe's, of a memfd) the file gives them up; a private one is refused there.
     auto* const pages = reinterpret_cast<void*>(first);
     if (::madvise(pages, end - first, MADV_REMOVE) != 0)
         (void)::madvise(pages, end - first, MADV_DONTNEED);

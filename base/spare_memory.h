@@ -12,12 +12,13 @@ namespace seaway {
 /// that found no device). It is mapped from its file and comes back page by page where it runs again. Thread-safe. Of the code 10 us, of blocks what malloc_trim takes.
 void give_back_spare_memory();
 
-/// Once, before there are threads: what each of them has freed at the end of its arena is given back from a megabyte on. malloc_trim() does
-/// not look there but for the first thread, and malloc itself would keep twice the largest block that was ever freed (mallopt(3),
-/// "dynamic adjustment"), a megabyte and more a thread. For the process: a library leaves it alone.
+/// Once, before there are threads: where a thread's free() leaves more than a megabyte at the end of its arena, that goes back. malloc_trim() does
+/// not look there but for the first thread, and malloc's own limit grows to twice the largest block that it had from the system
+/// (mallopt(3), "dynamic adjustment"), so that each thread kept a megabyte and more. For the process, whatever its environment says of malloc: a library leaves it alone.
 void keep_ends_of_arenas_short();
 
-/// Of mapped memory whose content is lost on purpose: the pages that lie wholly within go back, and fresh ones come when it is written next.
+/// Memory that was mapped, and whose content may be lost: its whole pages go back, and where it is the process's own, or a file of its own, fresh
+/// ones of zeros come when it is used next.
 void give_back_pages(std::span<std::byte> bytes);
 
 } // namespace seaway

@@ -33,7 +33,7 @@ class Batch {
     std::vector<NativeLines> lines(std::size_t task) const;
 
     /// Each trims_a_look-th call lets go of the buffers of lines where no task since the last look had need of such large ones.
-    static constexpr int trims_a_look = 4;
+    static constexpr int trims_a_look = 8;
     void trim();
     std::size_t lines_floats() const { return lines_floats_; } ///< of each buffer
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -17,8 +18,10 @@ namespace seaway::server {
 
 class SpareBuffers {
   public:
-    /// Calls of trim() over which a buffer waits for a keyframe: two seconds, more than there are between those of a stream.
-    static constexpr int kept_trims = 4;
+    /// Calls of trim() over which a buffer waits for a keyframe: four seconds, where a stream has one every two at the least.
+    static constexpr int kept_trims = 8;
+
+    static constexpr std::size_t most_held = 8;
 
     SpareBuffers() { held_.reserve(most_held); } // so that give() never allocates
 
@@ -43,18 +46,26 @@ class SpareBuffers {
     void give(sea::MapValues::Floats buffer) {
         if (buffer.empty())
             return;
+        sea::MapValues::Floats oldest; // goes back to the system when others may come in again
         const std::lock_guard lock(mutex_);
-        if (held_.size() == most_held)
+        if (held_.size() == most_held) {
+            oldest = std::move(held_.front().buffer);
             held_.erase(held_.begin());
+        }
         held_.push_back({std::move(buffer), trims_});
     }
 
     /// Lets go of buffers that have been here for kept_trims of these calls.
     void trim() {
+        std::array<sea::MapValues::Floats, most_held> unused; // likewise
         const std::lock_guard lock(mutex_);
         ++trims_;
-        std::erase_if(held_,
-                      [this](const Held& held) { return held.given + kept_trims <= trims_; });
+        const auto kept = std::find_if(held_.begin(), held_.end(), [this](const Held& held) {
+            return held.given + kept_trims > trims_;
+        });
+        std::transform(held_.begin(), kept, unused.begin(),
+                       [](Held& held) { return std::move(held.buffer); });
+        held_.erase(held_.begin(), kept);
     }
     void clear() {
         const std::lock_guard lock(mutex_);
@@ -62,7 +73,6 @@ class SpareBuffers {
     }
 
   private:
-    static constexpr std::size_t most_held = 8;
     struct Held {
         sea::MapValues::Floats buffer;
         std::int64_t given; ///< after so many trims

@@ -56,35 +56,34 @@ void VulkanMaps::give(std::size_t first, std::size_t count) {
     }
 }
 
-std::size_t VulkanMaps::forget_pages(std::size_t first, std::size_t most) {
+std::vector<VulkanMaps::Range> VulkanMaps::forget_pages() {
+    constexpr std::size_t bytes_a_call = std::size_t{16} << 20, ranges_a_call = 64;
+    std::size_t left = std::max<std::size_t>(bytes_a_call / (map_floats_ * sizeof(float)), 1);
+    std::vector<Range> ranges;
     const std::scoped_lock lock(mutex_);
-    std::size_t count = 0;
-    for (Place& place : std::span(places_).subspan(first)) {
-        const bool unused = !place.taken && place.has_pages && place.given + kept_trims <= trims_;
-        if (count == most || !unused)
+    ++trims_;
+    for (std::size_t i = 0; i < places_.size() && left > 0; ++i) {
+        Place& place = places_[i];
+        if (place.taken || !place.has_pages || place.given + kept_trims > trims_)
+            continue;
+        const bool goes_on = !ranges.empty() && ranges.back().first + ranges.back().count == i;
+        if (!goes_on && ranges.size() == ranges_a_call)
             break;
+        if (!goes_on)
+            ranges.push_back({i, 0});
+        ++ranges.back().count;
         place.has_pages = false;
-        ++count;
+        --left;
     }
-    return count;
+    return ranges;
 }
 
 void VulkanMaps::trim() {
     if (!device_->info().is_cpu() || buffer_.mapped().empty())
         return;
-    constexpr std::size_t bytes_a_call = std::size_t{16} << 20;
     const std::size_t map_bytes = map_floats_ * sizeof(float);
-    {
-        const std::scoped_lock lock(mutex_);
-        ++trims_;
-    }
-    std::size_t left = std::max<std::size_t>(bytes_a_call / map_bytes, 1);
-    for (std::size_t first = 0; first < places_.size() && left > 0;) {
-        const std::size_t count = forget_pages(first, left);
-        give_back_pages(buffer_.mapped().subspan(first * map_bytes, count * map_bytes));
-        left -= count;
-        first += std::max<std::size_t>(count, 1);
-    }
+    for (const Range& range : forget_pages()) // who takes is who trims: none of them meanwhile
+        give_back_pages(buffer_.mapped().subspan(range.first * map_bytes, range.count * map_bytes));
 }
 
 std::shared_ptr<const void> VulkanMaps::keeper(std::size_t first, std::size_t count) {

@@ -28,7 +28,7 @@ inline constexpr std::size_t held_map_bytes_max = std::size_t{128} << 20;
 class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
   public:
     /// Calls of trim() over which the pages of a map that was given back wait for the next.
-    static constexpr int kept_trims = 4;
+    static constexpr int kept_trims = 8;
 
     /// As many maps as may be held.
     static Result<std::shared_ptr<VulkanMaps>> create(std::shared_ptr<gpu::Device> device, int size,
@@ -43,7 +43,8 @@ class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
     sea::MapValues lend(std::size_t first, std::size_t count);
 
     /// From time to time: where device memory is this process's own, which it is of a processor as device, pages of maps that
-    /// have been free over kept_trims of these calls go back to the system. Not beside take(). Some 16 MB a call, a millisecond.
+    /// have been free over kept_trims of these calls go back to the system, some of them a call: of 16 MB, in 64 places. A millisecond. Not beside
+    /// take().
     void trim();
 
     const gpu::Buffer& buffer() const { return buffer_; }
@@ -56,8 +57,11 @@ class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
   private:
     VulkanMaps(std::shared_ptr<gpu::Device> device, std::size_t floats)
         : device_(std::move(device)), map_floats_(floats) {}
-    /// Of maps from `first` on, so many in a row that have been free for long enough: their pages are as good as given back.
-    std::size_t forget_pages(std::size_t first, std::size_t most);
+    struct Range {
+        std::size_t first, count;
+    };
+    /// Maps that have been free for long enough: their pages are as good as given back.
+    std::vector<Range> forget_pages();
 
     const std::shared_ptr<gpu::Device> device_; ///< goes last
     const std::size_t map_floats_;

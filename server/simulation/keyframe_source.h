@@ -114,8 +114,8 @@ class KeyframeSource : private KeyframeMaker {
     const std::optional<Error>& failure() const { return failure_; }
     bool failed() const { return failed_; } ///< any thread
 
-    /// Lets go of keyframes, and of maps, that nobody has used since the call before the last one; of memory for work
-    /// that is not needed any more a few calls later.
+    /// Lets go of keyframes, and of maps, that nobody has used since the call before the last one, and of memory for work
+    /// that the last few calls saw no need of.
     std::size_t trim() {
         device_.trim();
         joined_->clear(); // before more comes from the store, for until the next call

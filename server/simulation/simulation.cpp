@@ -131,7 +131,9 @@ void Simulation::trim_now_and_then() {
     if (now < trimmed_ + memory_->trims_every())
         return;
     trimmed_ = now;
-    if (trims_left_ > 0)
+    if (source_.holds_keyframes())
+        trims_left_ = trims_after_work;
+    else if (trims_left_ > 0)
         --trims_left_;
     (void)source_.trim();
     if (++trims_ % trims_a_give_back == 0 && events_.on_trim)

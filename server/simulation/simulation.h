@@ -64,9 +64,9 @@ struct SimulationCounters {
     std::uint64_t device_rebuilds = 0;
 };
 
-/// So many times after the last question what is unused is let go (Memory::trims_every): what was made for it is still on its way
-/// out.
-inline constexpr int trims_after_work = 60;
+/// So many times after the last question, and the last keyframe that was held, what is unused is let go (Memory::trims_every): what was
+/// made for them is still on its way out. Longer than an encoder keeps what was streamed.
+inline constexpr int trims_after_work = 80;
 /// Of so many one gives back to the system what is free: it looks through all that malloc has.
 inline constexpr int trims_a_give_back = 2;
 

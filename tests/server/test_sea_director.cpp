@@ -151,9 +151,8 @@ TEST_F(Director, changes_that_another_takes_over_from_are_promised_no_more) {
             ASSERT_GT(made->start_us, last_us);
             last_us = made->start_us;
         }
-        // The one that the first round ended with keeps its place until it begins, which on a busy machine it has by now.
+        // At least: the one that the first round ended with keeps its place until it begins, which on a busy machine it has by now.
         EXPECT_GE(promised, by_another ? changes_promised_max - 1 : changes_promised_max);
-        EXPECT_LE(promised, changes_promised_max);
         const TimeUs start_us =
             later_us - 200'000; // a busy machine takes most of a second for each
         if (by_another) {

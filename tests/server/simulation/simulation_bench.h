@@ -71,8 +71,9 @@ inline RunningSeaPtr running_sea(const std::string& more = {}) {
 /// Fails the next `failures` calls, as a lost device does.
 class FailingSynthesizer final : public Synthesizer {
   public:
-    FailingSynthesizer(std::shared_ptr<std::atomic<int>> failures, std::atomic<int>& no_memory)
-        : failures_(std::move(failures)), no_memory_(no_memory) {}
+    FailingSynthesizer(std::shared_ptr<std::atomic<int>> failures, std::atomic<int>& no_memory,
+                       std::atomic<int>& trims)
+        : failures_(std::move(failures)), no_memory_(no_memory), trims_(trims) {}
     std::string description() const override { return inner_.description(); }
     Result<void> set_sea(sea::RealizationPtr sea, std::uint32_t epoch) override {
         return inner_.set_sea(std::move(sea), epoch);
@@ -89,10 +90,14 @@ class FailingSynthesizer final : public Synthesizer {
         return inner_.synthesize(requests);
     }
     SynthesisCounters counters() const override { return inner_.counters(); }
+    void trim() override {
+        ++trims_;
+        inner_.trim();
+    }
 
   private:
     std::shared_ptr<std::atomic<int>> failures_;
-    std::atomic<int>& no_memory_;
+    std::atomic<int>&no_memory_, &trims_;
     NativeSynthesizer inner_{1};
 };
 
@@ -108,6 +113,7 @@ struct Bench {
     std::vector<sea::KeyframePtr> published;
     std::vector<sea::KeyframePtr> published_rarer; ///< for those who take fewer
     std::atomic<int> no_memory = 0;                ///< of the next calls
+    std::atomic<int> trims = 0;                    ///< of the device
     std::atomic<int> warnings = 0;
     std::atomic<int> uploads = 0; ///< of the sea to a device
     std::promise<std::string> failed;
@@ -124,7 +130,7 @@ struct Bench {
             course,
             [this](const sea::RealizationPtr& realization, std::uint32_t epoch,
                    server::Making) -> Result<std::unique_ptr<Synthesizer>> {
-                auto made = std::make_unique<FailingSynthesizer>(failures, no_memory);
+                auto made = std::make_unique<FailingSynthesizer>(failures, no_memory, trims);
                 SEAWAY_TRY(made->set_sea(realization, epoch));
                 ++uploads;
                 return std::unique_ptr<Synthesizer>(std::move(made));

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/eventually.h"
 
 namespace seaway::server {
 namespace {
@@ -123,6 +124,24 @@ TEST(Floods, a_thread_that_the_system_does_not_give_costs_one_map_and_no_more) {
     EXPECT_GT(why.retry_after_ms, 0u);
     EXPECT_EQ(bench.answer({{1.0, 2.0, 0}}).size(), 1u) << "the simulation goes on";
     EXPECT_TRUE(bench.simulation->healthy());
+}
+
+// Naive: with the last keyframe that is held the thread goes to sleep, and what its device has to spare is never let go of.
+TEST(Floods, what_a_stream_leaves_is_let_go_of_after_it_has_ended) {
+    Bench bench({}, {}, 2, std::chrono::milliseconds(1));
+    bench.subscriptions.set(1, {1u, {Field::height, Field::height_rate}});
+    bench.settle(); // asks
+    const int asked = bench.trims;
+    EXPECT_TRUE(tests::eventually([&] { // nobody asks any more, the stream goes on
+        bench.now_us += 20'000;
+        bench.simulation->demand_changed();
+        return bench.trims > asked + 2 * trims_after_work;
+    }));
+    bench.subscriptions.erase(1);
+    EXPECT_TRUE(
+        tests::eventually([&] { return bench.simulation->counters().store.keyframes == 0; }));
+    const int ended = bench.trims;
+    EXPECT_TRUE(tests::eventually([&] { return bench.trims >= ended + trims_after_work / 2; }));
 }
 
 // Naive: a spline that was let go between two looks, or maps that another thread has let go meanwhile, and who waits for them waits for
