@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/spare_memory.h"
 #include "shaders/shared/synthesis.h"
 
 namespace seaway::server {
@@ -37,6 +38,9 @@ Result<void> VulkanBatch::record(Slot& slot, std::span<const Job> jobs, const Pa
         return Error{DeviceError::cannot_do_this_sea,
                      fmt::format("{} maps of size {} at once: {} binds {}", packing.maps,
                                  kernels_.size(), device_.info().name, capacity_maps_)};
+    scratch_needed_bytes_ =
+        std::max(scratch_needed_bytes_,
+                 jobs.size() * static_cast<std::size_t>(packing.maps) * scratch_map_bytes());
     std::vector<shaders::SynthesisJob> texels;
     for (const Job& job : jobs) {
         const auto time = static_cast<std::uint64_t>(job.phase_time_us);
@@ -156,6 +160,15 @@ void VulkanBatch::dispatch_jacobian(Slot& slot, const Target& target, const Pack
     const auto groups = static_cast<std::uint32_t>(points() / 4 / shaders::synthesis_workgroup);
     slot.commands.dispatch(kernels_.jacobian, target.jacobian, std::as_bytes(std::span(&push, 1)),
                            groups, 1, jobs);
+}
+
+void VulkanBatch::trim() {
+    if (!device_.info().is_cpu() || ++trims_ % VulkanMaps::kept_trims != 0)
+        return;
+    for (const Buffer& scratch : scratch_)
+        if (scratch.mapped().size() > scratch_needed_bytes_)
+            give_back_pages(scratch.mapped().subspan(scratch_needed_bytes_));
+    scratch_needed_bytes_ = 0;
 }
 
 void VulkanBatch::read_back(Slot& slot, const Buffer& result, std::size_t bytes) {

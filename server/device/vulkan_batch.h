@@ -113,6 +113,10 @@ class VulkanBatch {
     /// These travel as they are, for read_map(); there are no steps after that.
     Result<void> read_exactly(RunId run, std::span<const MapOf> maps);
 
+    /// From time to time, between two runs: where device memory is this process's own (VulkanMaps::trim), pages between the passes of which as
+    /// many of these calls saw no need go back to the system.
+    void trim();
+
     std::uint64_t dispatches() const { return dispatches_; }
     /// Of maps, from memory that the CPU cannot read to where it can.
     std::uint64_t travelled_bytes() const { return travelled_bytes_; }
@@ -219,11 +223,17 @@ class VulkanBatch {
     }
     std::uint32_t stamps() const { return static_cast<std::uint32_t>(kernels_.passes.size()) + 4; }
     std::size_t map_bytes() const { return points() * sizeof(float); }
+    /// Of each scratch, for one map of one job.
+    std::size_t scratch_map_bytes() const {
+        return kernels_.transform->scratch_complexes * complex_bytes;
+    }
 
     gpu::Device& device_;
     const SynthesisKernels& kernels_;
     bool time_passes_;
     int capacity_maps_ = 0;
+    std::size_t scratch_needed_bytes_ = 0; ///< of each, since trim() looked
+    int trims_ = 0;
     std::vector<float> steps_; ///< wavenumber step of each cascade, rad/m
     gpu::Buffer modes_, rates_, orbits_, jobs_, rows_, foam_steps_, scales_, scratch_[2];
     gpu::TexelView modes_view_, rates_view_, orbits_view_, jobs_view_, rows_view_, foam_steps_view_,

@@ -16,7 +16,6 @@ using gpu::Buffer;
 using gpu::BufferKind;
 using gpu::TexelView;
 
-constexpr std::size_t complex_bytes = 8;
 constexpr int most_maps = sea::linear_field_count + 2; ///< of one job: the Jacobian and foam, too
 
 Result<void> make(gpu::Device& device, Buffer& buffer, TexelView* view, VkFormat format,
@@ -87,8 +86,7 @@ Result<void> VulkanBatch::allocate(int cascade_count) {
     constexpr VkFormat r32f = VK_FORMAT_R32_SFLOAT;
     const std::size_t modes = points() * static_cast<std::size_t>(cascade_count);
     const std::size_t scratch_bytes =
-        static_cast<std::size_t>(kernels_.transform->scratch_complexes) *
-        static_cast<std::size_t>(capacity_maps_) * complex_bytes;
+        static_cast<std::size_t>(capacity_maps_) * scratch_map_bytes();
     constexpr std::size_t row_bytes = shaders::row_texels_max * vec4_bytes;
     constexpr std::size_t step_bytes = shaders::foam_steps_max * sizeof(shaders::FoamStep);
     struct Wish {

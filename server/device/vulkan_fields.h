@@ -14,6 +14,7 @@ namespace seaway::server {
 
 /// Of a texel, four floats: maps are read and copied by these.
 inline constexpr std::size_t vec4_bytes = 16;
+inline constexpr std::size_t complex_bytes = 8;
 
 struct Packing {
     int fields = 0;  ///< transforms along x, and maps

@@ -42,6 +42,8 @@ class Vulkan final : public VulkanSynthesizer {
     void trim() override {
         spare_->trim();
         held_.trim();
+        for (const auto& [size, group] : groups_)
+            group.batch->trim();
     }
     std::vector<std::string> validation_messages() const override {
         return device_->validation().validation_messages();

@@ -3,9 +3,11 @@
 // within the bound and nobody else's loss.
 #include <algorithm>
 #include <deque>
+#include <fstream>
 #include <set>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "gpu/call.h"
 #include "server/device/spare_buffers.h"
@@ -145,6 +147,28 @@ TEST_F(HeldMaps, pages_that_nobody_needs_any_more_go_back_and_what_is_held_stays
     for (int trim = 0; trim < 2 * VulkanMaps::kept_trims; ++trim)
         device_->trim();
     EXPECT_EQ(flood->values, next) << "it is held";
+}
+
+// Naive: memory between the passes is held as the largest keyframe touched it.
+TEST_F(HeldMaps, what_stood_between_the_passes_of_a_large_keyframe_goes_back_too) {
+    const bool own = gpu::Device::create({}).value()->info().is_cpu();
+    const RandomSea large(512, 1600.0, 1);
+    device_ = make_vulkan_synthesizer({.validation = true}).value();
+    ASSERT_TRUE(device_->set_sea(large.realization(), 1));
+    const sea::MapValues before = keyframe(second_us, sea::linear_fields)->values;
+    const auto resident_bytes = [] {
+        std::size_t pages = 0, resident = 0;
+        std::ifstream("/proc/self/statm") >> pages >> resident;
+        return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    };
+    const std::size_t held_bytes = resident_bytes();
+    for (int trim = 0; trim < 3 * VulkanMaps::kept_trims; ++trim)
+        device_->trim();
+    const std::size_t maps_bytes = before.size() * sizeof(float); // which go, too
+    const std::size_t left_bytes = resident_bytes();
+    EXPECT_TRUE(!own || left_bytes + maps_bytes * 5 / 4 < held_bytes)
+        << "between the passes stands half as much again: " << left_bytes << " of " << held_bytes;
+    EXPECT_EQ(keyframe(second_us, sea::linear_fields)->values, before);
 }
 
 TEST_F(HeldMaps, what_maps_are_made_of_is_free_at_once) {
