@@ -21,8 +21,6 @@ class SpareBuffers {
     /// Calls of trim() over which a buffer waits for a keyframe: four seconds, where a stream has one every two at the least.
     static constexpr int kept_trims = 8;
 
-    static constexpr std::size_t most_held = 8;
-
     SpareBuffers() { held_.reserve(most_held); } // so that give() never allocates
 
     /// A buffer of exactly this many values, of any content.
@@ -73,6 +71,7 @@ class SpareBuffers {
     }
 
   private:
+    static constexpr std::size_t most_held = 8;
     struct Held {
         sea::MapValues::Floats buffer;
         std::int64_t given; ///< after so many trims
