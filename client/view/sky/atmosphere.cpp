@@ -76,10 +76,13 @@ double dip_rad(const Atmosphere& air, double height_m) {
     return std::acos(air.planet_radius_m / (air.planet_radius_m + std::max(height_m, 0.0)));
 }
 
-double height_after_m(const Atmosphere& air, const Ray& ray, double distance_m) {
+double radius_after_m(const Ray& ray, double distance_m) {
     const double r = ray.radius_m;
-    const double square = r * r + distance_m * (distance_m + 2 * r * ray.cosine);
-    return std::max(std::sqrt(square) - air.planet_radius_m, 0.0);
+    return std::sqrt(r * r + distance_m * (distance_m + 2 * r * ray.cosine));
+}
+
+double height_after_m(const Atmosphere& air, const Ray& ray, double distance_m) {
+    return std::max(radius_after_m(ray, distance_m) - air.planet_radius_m, 0.0);
 }
 
 } // namespace seaway::client

@@ -95,6 +95,8 @@ bool meets_sea(const Atmosphere& air, const Ray& ray);
 double length_m(const Atmosphere& air, const Ray& ray);
 /// Angle by which the horizon lies below the level, rad.
 double dip_rad(const Atmosphere& air, double height_m);
+/// From the planet's centre, after a distance.
+double radius_after_m(const Ray& ray, double distance_m);
 /// Height above the sea after a distance; not below 0.
 double height_after_m(const Atmosphere& air, const Ray& ray, double distance_m);
 

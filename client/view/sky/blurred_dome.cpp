@@ -68,19 +68,22 @@ std::vector<glm::vec3> BlurredDome::blur(int level, ThreadPool& pool) const {
     const double rest = std::sqrt(sigma * sigma - before * before);
     std::vector<glm::vec3> out(static_cast<std::size_t>(columns * rows));
     for_rows(pool, rows, [&](int y) {
+        // A lobe is the same all around: where its points lie is found once a row.
+        const glm::dvec3 middle = sharp_.direction_at(0.5 / columns, (y + 0.5) / rows);
+        const glm::dvec3 aside = glm::normalize(glm::cross(middle, glm::dvec3(0, 0, 1)));
+        const glm::dvec3 up = glm::cross(aside, middle);
+        std::array<DomePlace, lobe_points> places;
+        std::transform(lobe.begin(), lobe.end(), places.begin(), [&](const glm::dvec2& point) {
+            const glm::dvec2 at = rest * point;
+            const double angle = glm::length(at), turned = std::min(angle, pi);
+            const glm::dvec3 lean = (aside * at.x + up * at.y) / angle;
+            return sharp_.place(middle * std::cos(turned) + lean * std::sin(turned));
+        });
         for (int x = 0; x < columns; ++x) {
-            const glm::dvec3 middle = sharp_.direction_at((x + 0.5) / columns, (y + 0.5) / rows);
-            const glm::dvec3 aside = glm::normalize(glm::cross(
-                middle, std::abs(middle.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
-            const glm::dvec3 up = glm::cross(aside, middle);
+            const double turn = static_cast<double>(x) / columns;
             glm::dvec3 sum(0);
-            for (const glm::dvec2& point : lobe) {
-                const glm::dvec2 at = rest * point;
-                const double angle = glm::length(at);
-                const glm::dvec3 lean = (aside * at.x + up * at.y) / angle;
-                sum += sample_level(level - 1, sharp_.place(middle * std::cos(std::min(angle, pi)) +
-                                                            lean * std::sin(std::min(angle, pi))));
-            }
+            for (const DomePlace& place : places)
+                sum += sample_level(level - 1, {place.around + turn, place.from_horizon});
             out[static_cast<std::size_t>(y * columns + x)] = glm::vec3(sum / double{lobe_points});
         }
     });

@@ -16,63 +16,27 @@ using std::numbers::pi;
 constexpr int directions_a_side = 8; // 64 directions, as Hillaire 2020
 constexpr int transfer_steps = 20;
 
-/// Calls visit(distance, step) along a ray: short steps where it is lowest.
-template <class Visit>
-void walk(double lowest_m, double distance_m, int steps, const Visit& visit) {
-    // Towards the lowest point steps get shorter, from there on longer.
-    if (lowest_m > 0)
-        for (int i = steps; i > 0; --i) {
-            const double far = static_cast<double>(i) / steps, near = (i - 1.0) / steps;
-            visit(lowest_m * (1 - (far * far + near * near) / 2),
-                  lowest_m * (far * far - near * near));
-        }
-    const double rest_m = distance_m - lowest_m;
-    if (rest_m > 0)
-        for (int i = 0; i < steps; ++i) {
-            const double near = static_cast<double>(i) / steps, far = (i + 1.0) / steps;
-            visit(lowest_m + rest_m * (far * far + near * near) / 2,
-                  rest_m * (far * far - near * near));
-        }
-}
-
-/// Integral of light over a step of constant medium, seen through it (Hillaire 2015).
-glm::dvec3 over_step(const glm::dvec3& extinction_per_m, double step_m, glm::dvec3& through) {
-    through = glm::exp(-extinction_per_m * step_m);
-    glm::dvec3 length;
-    for (int c = 0; c < 3; ++c)
-        length[c] =
-            extinction_per_m[c] * step_m > 1e-9 ? (1 - through[c]) / extinction_per_m[c] : step_m;
-    return length;
-}
-
-double sun_cosine_after(double radius_m, const glm::dvec3& direction, const glm::dvec3& to_sun,
-                        double distance_m) {
-    const glm::dvec3 place = glm::dvec3(0, 0, radius_m) + distance_m * direction;
-    return glm::dot(place, to_sun) / glm::length(place);
+/// Of light scattered once; of the rest too unless `once`.
+glm::dvec3 radiance_along(const AirTables& t, const AirWay& way, double to_sun_cosine,
+                          double sun_cosine, bool once) {
+    const double rayleigh = rayleigh_phase(to_sun_cosine);
+    const double aerosol = aerosol_phase(t.air.aerosol_asymmetry, to_sun_cosine);
+    glm::dvec3 sum(0);
+    for (const AirStep& step : way.steps) {
+        const double sun = way.sun_cosine(step, sun_cosine, to_sun_cosine);
+        sum += step.light.to_disc(sun, disc_radius_rad) *
+               (step.rayleigh * rayleigh + step.aerosol * aerosol);
+        if (!once)
+            sum += t.multiple.at(step.height_m, sun) * step.scattered();
+    }
+    return sum;
 }
 
 AirLight integrate(const AirTables& t, double height_m, const glm::dvec3& direction,
                    const glm::dvec3& to_sun, double distance_m, int steps, bool once) {
-    const Ray ray = ray_from(t.air, height_m, direction.z);
-    const double cosine = glm::dot(direction, to_sun);
-    const double rayleigh = rayleigh_phase(cosine);
-    const double aerosol = aerosol_phase(t.air.aerosol_asymmetry, cosine);
-    AirLight sum{glm::dvec3(0), glm::dvec3(1)};
-    const double lowest_m = std::clamp(-ray.radius_m * ray.cosine, 0.0, distance_m);
-    walk(lowest_m, distance_m, steps, [&](double at_m, double step_m) {
-        const double here_m = height_after_m(t.air, ray, at_m);
-        const double sun = sun_cosine_after(ray.radius_m, direction, to_sun, at_m);
-        const Medium medium = t.air.at(here_m);
-        glm::dvec3 source = t.transmittance.to_disc(here_m, sun, disc_radius_rad) *
-                            (medium.rayleigh_per_m * rayleigh + medium.aerosol_per_m * aerosol);
-        if (!once)
-            source += t.multiple.at(here_m, sun) * (medium.rayleigh_per_m + medium.aerosol_per_m);
-        glm::dvec3 through;
-        const glm::dvec3 length = over_step(medium.extinction_per_m, step_m, through);
-        sum.radiance += sum.transmittance * source * length;
-        sum.transmittance *= through;
-    });
-    return sum;
+    const AirWay way = way_through(t.air, t.transmittance, ray_from(t.air, height_m, direction.z),
+                                   distance_m, steps);
+    return {radiance_along(t, way, glm::dot(direction, to_sun), to_sun.z, once), way.passed};
 }
 
 /// Signed square root and back: rows are dense where the sun stands near the horizon.
@@ -84,62 +48,79 @@ double unpacked(double x) {
     return root * std::abs(root);
 }
 
-} // namespace
-
-Transfer transfer_at(const Air& air, const TransmittanceTable& transmittance, double height_m,
-                     double sun_cosine) {
-    const glm::dvec3 to_sun(std::sqrt(std::max(1 - sun_cosine * sun_cosine, 0.0)), 0, sun_cosine);
-    constexpr int n = directions_a_side;
-    Transfer sum{glm::dvec3(0), glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
-    for (int i = 0; i < n * n; ++i) {
-        const int ring = i / n;
-        const double z = 1 - 2 * (ring + 0.5) / n; // equal solid angles
-        const double turn = 2 * pi * (i % n + 0.5) / n, level = std::sqrt(1 - z * z);
-        const glm::dvec3 direction(level * std::cos(turn), level * std::sin(turn), z);
-        const Ray ray = ray_from(air, height_m, z);
-        const double distance_m = length_m(air, ray);
-        glm::dvec3 seen(1);
-        const double lowest_m = std::clamp(-ray.radius_m * z, 0.0, distance_m);
-        walk(lowest_m, distance_m, transfer_steps, [&](double at_m, double step_m) {
-            const double here_m = height_after_m(air, ray, at_m);
-            const double sun = sun_cosine_after(ray.radius_m, direction, to_sun, at_m);
-            const Medium medium = air.at(here_m);
-            glm::dvec3 through;
-            const glm::dvec3 length = over_step(medium.extinction_per_m, step_m, through);
-            const glm::dvec3 scattering_per_m = medium.rayleigh_per_m + medium.aerosol_per_m;
-            const glm::dvec3 scattered = seen * length * scattering_per_m;
-            sum.scattered += scattered;
-            sum.absorbed +=
-                seen * length * glm::max(medium.extinction_per_m - scattering_per_m, 0.0);
-            sum.lit += scattered * transmittance.to_disc(here_m, sun, disc_radius_rad) / (4 * pi);
-            seen *= through;
-        });
-        sum.passed += seen;
-        if (meets_sea(air, ray)) {
-            const double sun = sun_cosine_after(ray.radius_m, direction, to_sun, distance_m);
-            sum.lit += seen * transmittance.to_disc(0, sun, disc_radius_rad) * std::max(sun, 0.0) *
-                       air.ground_albedo / pi;
+/// What a ring of directions shows of a sun, scattered once or by the sea: the mean around it.
+glm::dvec3 lit_around(const Air& air, const TransmittanceTable& transmittance, const AirWay& way,
+                      double sun_cosine) {
+    // The other half of the ring is the mirror image.
+    constexpr int half = directions_a_side / 2;
+    const double z = way.ray.cosine;
+    const double level =
+        std::sqrt(1 - z * z) * std::sqrt(std::max(1 - sun_cosine * sun_cosine, 0.0));
+    const bool sea = meets_sea(air, way.ray);
+    const TransmittanceAt light_at_sea = transmittance.at(0);
+    const double end_radius_m = radius_after_m(way.ray, way.length_m);
+    glm::dvec3 sum(0);
+    for (int i = 0; i < half; ++i) {
+        const double to_ray = z * sun_cosine + level * std::cos(pi * (i + 0.5) / half);
+        for (const AirStep& step : way.steps)
+            sum += step.scattered() / (4 * pi) *
+                   step.light.to_disc(way.sun_cosine(step, sun_cosine, to_ray), disc_radius_rad);
+        if (sea) {
+            const double sun =
+                (way.ray.radius_m * sun_cosine + way.length_m * to_ray) / end_radius_m;
+            sum += way.passed * light_at_sea.to_disc(sun, disc_radius_rad) * std::max(sun, 0.0) *
+                   air.ground_albedo / pi;
         }
     }
-    const double share = 1.0 / (n * n);
-    return {sum.lit * share, sum.scattered * share, sum.absorbed * share, sum.passed * share};
+    return sum / static_cast<double>(half);
+}
+
+} // namespace
+
+std::vector<Transfer> transfers_at(const Air& air, const TransmittanceTable& transmittance,
+                                   double height_m, const std::vector<double>& sun_cosines) {
+    constexpr int n = directions_a_side;
+    const double share = 1.0 / n; // of a ring: equal solid angles
+    Transfer way_alone{};
+    std::vector<glm::dvec3> lit(sun_cosines.size(), glm::dvec3(0));
+    for (int ring = 0; ring < n; ++ring) {
+        const double z = 1 - 2 * (ring + 0.5) / n;
+        const Ray ray = ray_from(air, height_m, z);
+        const AirWay way = way_through(air, transmittance, ray, length_m(air, ray), transfer_steps);
+        for (const AirStep& step : way.steps) {
+            way_alone.scattered += share * step.scattered();
+            way_alone.absorbed += share * step.absorbed;
+        }
+        way_alone.passed += share * way.passed;
+        for (std::size_t i = 0; i < lit.size(); ++i)
+            lit[i] += share * lit_around(air, transmittance, way, sun_cosines[i]);
+    }
+    std::vector<Transfer> out(sun_cosines.size(), way_alone);
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i].lit = lit[i];
+    return out;
 }
 
 MultipleScattering::MultipleScattering(const Air& air, const TransmittanceTable& transmittance,
                                        ThreadPool& pool)
     : thickness_m_(air.thickness_m), table_(static_cast<std::size_t>(size * size)) {
     const glm::dvec3 dense = two_stream_share(depth_of_air(air));
-    const auto sun_cosine = [](int x) { return unpacked(static_cast<double>(x) / (size - 1)); };
+    std::vector<double> sun_cosines;
+    for (int x = 0; x < size; ++x)
+        sun_cosines.push_back(unpacked(static_cast<double>(x) / (size - 1)));
     std::vector<std::optional<TwoStream>> streams(size);
     if (dense != glm::dvec3(0))
         for_rows(pool, size, [&](int x) {
-            streams[static_cast<std::size_t>(x)].emplace(air, transmittance, sun_cosine(x));
+            streams[static_cast<std::size_t>(x)].emplace(air, transmittance,
+                                                         sun_cosines[static_cast<std::size_t>(x)]);
         });
     for_rows(pool, size, [&](int y) {
         const double root = static_cast<double>(y) / (size - 1);
         const double height_m = root * root * thickness_m_;
+        const std::vector<Transfer> transfers =
+            transfers_at(air, transmittance, height_m, sun_cosines);
         for (int x = 0; x < size; ++x) {
-            const Transfer t = transfer_at(air, transmittance, height_m, sun_cosine(x));
+            const Transfer& t = transfers[static_cast<std::size_t>(x)];
             glm::dvec3& value = table_[static_cast<std::size_t>(y * size + x)];
             // What is not scattered again: summed, as the difference to 1 is lost to rounding.
             const glm::dvec3 lost = t.passed + t.absorbed;
@@ -171,6 +152,11 @@ glm::dvec3 depth_above(const AirTables& tables, double height_m) {
     const glm::dvec3 left = sunlight_klx(tables.transmittance.to_space(height_m, 1));
     const glm::dvec3 share = left / sunlight_klx(glm::dvec3(1));
     return glm::max(-glm::log(glm::max(share, share_min)), depth_min);
+}
+
+glm::dvec3 air_radiance(const AirTables& tables, const AirWay& way, double to_sun_cosine,
+                        double sun_cosine) {
+    return radiance_along(tables, way, to_sun_cosine, sun_cosine, false);
 }
 
 AirLight air_light(const AirTables& tables, double height_m, const glm::dvec3& direction,

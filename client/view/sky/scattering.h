@@ -12,6 +12,7 @@
 
 #include <vector>
 
+#include "client/view/sky/air_way.h"
 #include "client/view/sky/transmittance.h"
 
 namespace seaway::client {
@@ -44,8 +45,9 @@ struct Transfer {
     glm::dvec3 absorbed;
     glm::dvec3 passed; ///< share that comes from beyond the air, or from the sea if white_sea
 };
-Transfer transfer_at(const Air& air, const TransmittanceTable& transmittance, double height_m,
-                     double sun_cosine);
+/// Under each of these suns.
+std::vector<Transfer> transfers_at(const Air& air, const TransmittanceTable& transmittance,
+                                   double height_m, const std::vector<double>& sun_cosines);
 
 struct AirTables {
     explicit AirTables(const Atmosphere& atmosphere, ThreadPool& pool);
@@ -64,6 +66,10 @@ struct AirLight {
 };
 
 inline constexpr int view_steps = 28;
+
+/// Along a way in a direction, whose angle with the sun has this cosine; the sun's height is at the start of the way.
+glm::dvec3 air_radiance(const AirTables& tables, const AirWay& way, double to_sun_cosine,
+                        double sun_cosine);
 
 /// From a height along a unit direction (up is z) for a distance, 0 .. length_m(). Twice the steps where
 /// the ray has its lowest point on the way.

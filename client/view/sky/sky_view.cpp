@@ -14,17 +14,20 @@ SkyView::SkyView(const AirTables& tables, double height_m, const glm::dvec3& to_
       dome_(columns, rows, std::atan2(to_sun.y, to_sun.x), dip_rad(tables.air, height_m_)) {
     for_rows(pool, rows, [&](int row) {
         const bool sky = row >= rows / 2;
+        // The rows at the horizon are to lie on their own side of it, whatever is rounded.
+        const double z = dome_.direction(0, row).z + (sky ? 1e-9 : -1e-9);
+        const Ray ray = ray_from(tables.air, height_m_, z);
+        const double distance_m = length_m(tables.air, ray);
+        const AirWay way =
+            way_through(tables.air, tables.transmittance, ray, distance_m, view_steps);
+        glm::dvec3 scale(1);
+        if (!sky)
+            scale /=
+                glm::max(1.0 - air_left(tables.air, height_m_, distance_m, z), glm::dvec3(1e-12));
         for (int x = 0; x < columns / 2; ++x) {
-            glm::dvec3 direction = dome_.direction(x, row);
-            // The rows at the horizon are to lie on their own side of it, whatever is rounded.
-            direction.z += sky ? 1e-9 : -1e-9;
-            const Ray ray = ray_from(tables.air, height_m_, direction.z);
-            const double distance_m = length_m(tables.air, ray);
-            glm::dvec3 value =
-                sunlight_klx(air_light(tables, height_m_, direction, to_sun, distance_m).radiance);
-            if (!sky)
-                value /= glm::max(1.0 - air_left(tables.air, height_m_, distance_m, direction.z),
-                                  glm::dvec3(1e-12));
+            const double to_sun_cosine = glm::dot(dome_.direction(x, row), to_sun);
+            const glm::dvec3 value =
+                scale * sunlight_klx(air_radiance(tables, way, to_sun_cosine, to_sun.z));
             dome_.at(x, row) = dome_.at(columns - 1 - x, row) = glm::vec3(value);
         }
     });

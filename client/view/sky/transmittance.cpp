@@ -60,38 +60,55 @@ TransmittanceTable::TransmittanceTable(const Air& air, ThreadPool& pool)
     });
 }
 
-glm::dvec3 TransmittanceTable::to_space(double height_m, double zenith_cosine) const {
-    const double r = air_.planet_radius_m + std::clamp(height_m, 0.0, air_.thickness_m);
-    const double farthest = horizon_m(air_, top_radius_m(air_));
-    const double rho = horizon_m(air_, r);
-    const double cosine = std::max(zenith_cosine, -rho / r); // not below the horizon
-    const double top = top_radius_m(air_);
+TransmittanceAt::TransmittanceAt(const TransmittanceTable& table, double height_m)
+    : top_radius_m_(top_radius_m(table.air_)) {
+    const Air& air = table.air_;
+    radius_m_ = air.planet_radius_m + std::clamp(height_m, 0.0, air.thickness_m);
+    const double farthest = horizon_m(air, top_radius_m_), rho = horizon_m(air, radius_m_);
+    lowest_cosine_ = -rho / radius_m_;
+    shortest_m_ = top_radius_m_ - radius_m_;
+    longest_m_ = rho + farthest;
+    const double y = rho / farthest * (TransmittanceTable::height - 1);
+    const int row = std::min(static_cast<int>(y), TransmittanceTable::height - 2);
+    below_ = &table.depth_[static_cast<std::size_t>(row * TransmittanceTable::width)];
+    above_ = static_cast<float>(y - row);
+    horizon_sine_ = air.planet_radius_m / (air.planet_radius_m + std::max(height_m, 0.0));
+    horizon_cosine_ = -std::sqrt(std::max(1 - horizon_sine_ * horizon_sine_, 0.0));
+}
+
+glm::dvec3 TransmittanceAt::to_space(double zenith_cosine) const {
+    constexpr int width = TransmittanceTable::width;
+    const double r = radius_m_, top = top_radius_m_;
+    const double cosine = std::max(zenith_cosine, lowest_cosine_); // not below the horizon
     const double d =
         -r * cosine + std::sqrt(std::max(r * r * (cosine * cosine - 1) + top * top, 0.0));
-    const double shortest_m = top - r, longest_m = rho + farthest;
-    const double across = std::clamp((d - shortest_m) / (longest_m - shortest_m), 0.0, 1.0);
-    const double x = across * (width - 1), y = rho / farthest * (height - 1);
-    const int x0 = std::min(static_cast<int>(x), width - 2);
-    const int y0 = std::min(static_cast<int>(y), height - 2);
-    const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-    const glm::vec3* below = &depth_[static_cast<std::size_t>(y0 * width + x0)];
-    const glm::vec3* above = below + width;
+    const double across = std::clamp((d - shortest_m_) / (longest_m_ - shortest_m_), 0.0, 1.0);
+    const double x = across * (width - 1);
+    const int column = std::min(static_cast<int>(x), width - 2);
+    const auto fx = static_cast<float>(x - column);
+    const glm::vec3* low = below_ + column;
+    const glm::vec3* high = low + width;
     const glm::vec3 depth =
-        glm::mix(glm::mix(below[0], below[1], fx), glm::mix(above[0], above[1], fx), fy);
+        glm::mix(glm::mix(low[0], low[1], fx), glm::mix(high[0], high[1], fx), above_);
     return glm::exp(-glm::dvec3(depth));
+}
+
+glm::dvec3 TransmittanceAt::to_disc(double zenith_cosine, double radius_rad) const {
+    // The angle above the horizon is nearly this difference over the sine of the horizon's zenith angle.
+    const double above = (zenith_cosine - horizon_cosine_) / (horizon_sine_ * radius_rad);
+    const double t = std::clamp(0.5 + 0.5 * above, 0.0, 1.0);
+    if (t == 0)
+        return glm::dvec3(0);
+    return t * to_space(zenith_cosine);
+}
+
+glm::dvec3 TransmittanceTable::to_space(double height_m, double zenith_cosine) const {
+    return at(height_m).to_space(zenith_cosine);
 }
 
 glm::dvec3 TransmittanceTable::to_disc(double height_m, double zenith_cosine,
                                        double radius_rad) const {
-    const double r = air_.planet_radius_m + std::max(height_m, 0.0);
-    const double sine = air_.planet_radius_m / r;
-    const double horizon_cosine = -std::sqrt(std::max(1 - sine * sine, 0.0));
-    // The angle above the horizon is nearly this difference over the sine of the horizon's zenith angle.
-    const double above = (zenith_cosine - horizon_cosine) / (sine * radius_rad);
-    const double t = std::clamp(0.5 + 0.5 * above, 0.0, 1.0);
-    if (t == 0)
-        return glm::dvec3(0);
-    return t * to_space(height_m, zenith_cosine);
+    return at(height_m).to_disc(zenith_cosine, radius_rad);
 }
 
 } // namespace seaway::client

@@ -25,13 +25,33 @@ void for_rows(ThreadPool& pool, int count, const Work& work) {
 /// Optical depth by direct integration: the truth that the table interpolates. `steps` may be large.
 glm::dvec3 optical_depth(const Air& air, const Ray& ray, double distance_m, int steps);
 
+class TransmittanceTable;
+
+/// The table at one height, for many suns: what hangs on the height alone is found once. Valid as long as the table.
+class TransmittanceAt {
+  public:
+    TransmittanceAt(const TransmittanceTable& table, double height_m);
+
+    /// From there to the top of the air; of a ray that meets the sea, as along the horizon.
+    glm::dvec3 to_space(double zenith_cosine) const;
+    /// The same for the light of a disc of this radius: what of it is below the horizon is lost.
+    glm::dvec3 to_disc(double zenith_cosine, double radius_rad) const;
+
+  private:
+    const glm::vec3* below_; ///< the row of the table below
+    float above_;            ///< share of the next row
+    double radius_m_, top_radius_m_, shortest_m_, longest_m_;
+    double lowest_cosine_; ///< of rays that do not meet the sea
+    double horizon_cosine_, horizon_sine_;
+};
+
 class TransmittanceTable {
   public:
     TransmittanceTable(const Air& air, ThreadPool& pool);
 
-    /// From a height to the top of the air; of a ray that meets the sea, as along the horizon.
+    TransmittanceAt at(double height_m) const { return {*this, height_m}; }
+    /// One look-up: TransmittanceAt.
     glm::dvec3 to_space(double height_m, double zenith_cosine) const;
-    /// The same for the light of a disc of this radius: what of it is below the horizon is lost.
     glm::dvec3 to_disc(double height_m, double zenith_cosine, double radius_rad) const;
 
     static constexpr int width = 256, height = 128;
@@ -39,6 +59,7 @@ class TransmittanceTable {
     const std::vector<glm::vec3>& depths() const { return depth_; }
 
   private:
+    friend class TransmittanceAt;
     Air air_;
     std::vector<glm::vec3> depth_; ///< [height][direction]
 };

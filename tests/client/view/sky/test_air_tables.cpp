@@ -79,7 +79,7 @@ TEST(AirTables, white_light_around_air_that_absorbs_nothing_stays_white) {
     const Air air(white);
     const TransmittanceTable table(air, air_pool());
     for (const double height_m : {0.0, 500.0, 8000.0, 60e3}) {
-        const Transfer transfer = transfer_at(air, table, height_m, 0.3);
+        const Transfer transfer = transfers_at(air, table, height_m, {0.3}).front();
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(transfer.scattered[c] + transfer.passed[c], 1, 1e-9) << height_m;
     }
@@ -88,7 +88,7 @@ TEST(AirTables, white_light_around_air_that_absorbs_nothing_stays_white) {
 TEST(AirTables, air_that_absorbs_sends_back_less_than_it_is_given) {
     const AirTables& t = clear_air();
     for (const double height_m : {0.0, 500.0, 8000.0, 60e3}) {
-        const Transfer transfer = transfer_at(t.air, t.transmittance, height_m, 0.3);
+        const Transfer transfer = transfers_at(t.air, t.transmittance, height_m, {0.3}).front();
         for (int c = 0; c < 3; ++c)
             EXPECT_LT(transfer.scattered[c] + transfer.passed[c], 1) << height_m;
     }
@@ -136,7 +136,8 @@ TEST(AirTables, light_from_all_around_is_its_integral_over_directions) {
         for (const double sun_deg : {15.0, 45.0, 90.0}) {
             const glm::dvec3 to_sun = towards(sun_deg);
             const glm::dvec3 truth = light_from_all_around(t, height_m, to_sun);
-            const glm::dvec3 found = transfer_at(t.air, t.transmittance, height_m, to_sun.z).lit;
+            const glm::dvec3 found =
+                transfers_at(t.air, t.transmittance, height_m, {to_sun.z})[0].lit;
             for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(found[c] / truth[c], 1, 0.1) << height_m << " m, " << sun_deg;
         }
@@ -148,7 +149,7 @@ TEST(AirTables, the_table_holds_light_of_every_order) {
     const AirTables& t = clear_air();
     for (const int row : {0, 7, 16}) { // of the table: heights between them are interpolated
         const double height_m = t.air.thickness_m * (row / 31.0) * (row / 31.0);
-        const Transfer transfer = transfer_at(t.air, t.transmittance, height_m, 1.0);
+        const Transfer transfer = transfers_at(t.air, t.transmittance, height_m, {1.0}).front();
         const glm::dvec3 table = t.multiple.at(height_m, 1.0);
         for (int c = 0; c < 3; ++c) {
             double sum = 0, term = transfer.lit[c];
