@@ -160,7 +160,7 @@ TEST_F(FacetsTest, the_sun_glitters_by_as_many_facets_as_mirror_it_to_the_eye) {
     const SeaFrame frame = sea.at(0);
     // The sun 8 degrees high, where facets hide each other from it, and 30.
     for (const double hour : {17.3, 15.0}) {
-        const Sky sky(sun_direction(hour));
+        const Sky& sky = sky_at_hour(hour);
         look_towards_the_sun(sky, 5);
         expect_glitter(render(frame, sky, DebugView::final, {.air = false, .detail = false}), sky,
                        facets_of_ripples());

@@ -30,7 +30,7 @@ class GlintTest : public RendererTest {
 TEST_F(GlintTest, level_water_mirrors_the_disc_no_brighter_than_it_is_and_all_of_its_light) {
     camera_.view_deg = 6;                          // a pixel is a twentieth of the disc
     for (const double hour : {12.0, 15.0, 16.8}) { // 45, 30 and 13 degrees high
-        const Sky sky(sun_direction(hour));
+        const Sky& sky = sky_at_hour(hour);
         look_at_the_mirrored_sun(sky);
         const Picture picture = lit(flat_sea(), sky);
         const double rest = luminance(picture.pixel(2, 2)), sine = sky.sun_direction().z;
@@ -57,7 +57,7 @@ TEST_F(GlintTest, no_pixel_is_brighter_than_the_disc_mirrored) {
     camera_.view_deg = 40;
     for (const double hour : {12.0, 17.3, 17.8})
         for (SyntheticSea* sea : {&swell, &rough}) {
-            const Sky sky(sun_direction(hour));
+            const Sky& sky = sky_at_hour(hour);
             look_at_the_mirrored_sun(sky);
             const Picture picture = lit(sea->at(100'000'000), sky);
             const double to_white = 8 * sky.white_radiance(); // sky and body of the water

@@ -19,7 +19,7 @@ class FlatViewsTest : public RendererTest {
         EXPECT_TRUE(renderer) << renderer.error().message;
         const Result<DebugChoice> choice = parse_debug_view(words);
         EXPECT_TRUE(choice) << words;
-        Result<Picture> picture = renderer->render(frame, camera_, Sky(sun_direction(12)), *choice);
+        Result<Picture> picture = renderer->render(frame, camera_, sky_at_hour(12), *choice);
         EXPECT_TRUE(picture) << picture.error().message;
         EXPECT_EQ(picture->pixel(side / 2 - 1, 0)[3], 0.0f) << "beside the map";
         EXPECT_EQ(picture->pixel(side / 2, 0)[3], 1.0f) << "its corner";
@@ -152,9 +152,13 @@ class TablesTest : public ::testing::Test {
         EXPECT_TRUE(scene);
         return sea::to_toml(*scene);
     }
+    static const Sky& morning() {
+        static const Sky sky(sun_direction(9), 30);
+        return sky;
+    }
     DebugTables tables_;
     SeaFrame frame_ = flat_sea();
-    Sky sky_{sun_direction(9), 30};
+    const Sky& sky_ = morning();
 };
 
 TEST_F(TablesTest, of_the_sky_hold_what_the_sky_says) {

@@ -32,7 +32,7 @@ class SeaViewsTest : public RendererTest {
             EXPECT_TRUE(made) << made.error().message;
             renderer_.emplace(std::move(*made));
         }
-        Result<Picture> picture = renderer_->render(frame, camera_, Sky(sun_direction(12)), choice);
+        Result<Picture> picture = renderer_->render(frame, camera_, sky_at_hour(12), choice);
         EXPECT_TRUE(picture) << picture.error().message;
         return std::move(*picture);
     }

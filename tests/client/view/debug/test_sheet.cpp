@@ -16,7 +16,7 @@ class SheetTest : public RendererTest {};
 TEST_F(SheetTest, every_view_is_on_it_and_has_its_name) {
     SyntheticSea sea(one_wave(0.5, 60, 2));
     const SeaFrame frame = sea.at(2'000'000);
-    const Sky sky(sun_direction(12));
+    const Sky& sky = sky_at_hour(12);
     Result<ContactSheet> sheet = ContactSheet::create(*device_, 1703, 1001, 1, {});
     ASSERT_TRUE(sheet) << sheet.error().message;
     const Result<ShownPicture> shown = sheet->draw({frame, sky, ""}, camera_);
