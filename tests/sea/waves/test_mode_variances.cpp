@@ -254,5 +254,41 @@ TEST(ModeVariances, what_is_told_of_phillips_in_a_puddle_counts_its_short_waves)
     EXPECT_GT(summary.cascades.back().requested_m2, 0.0);
 }
 
+// From the bearing of 217 degrees: towards 37, which is 53 degrees anticlockwise from east.
+TEST(ModeVariances, phillips_goes_where_an_oblique_wind_goes_and_nowhere_upwind) {
+    const Scene scene = scene_of("[sea]\n[[sea.system]]\ntype=\"wind\"\nspectrum=\"phillips\"\n"
+                                 "wind_speed_10m_mps=8\nfrom_deg=217\nsignificant_height_m=1.5\n"
+                                 "[[cascade]]\nlength_m=800\nsize=256\n");
+    const double towards_rad = 53 * pi / 180;
+    const auto along = [&](double x, double y) {
+        return x * std::cos(towards_rad) + y * std::sin(towards_rad);
+    };
+    const DirectionalSpectrum spectrum(scene.sea.systems[0], scene.sea);
+    for (int degrees = 0; degrees < 360; ++degrees) {
+        const double kx = 0.3 * std::cos(degrees * pi / 180),
+                     ky = 0.3 * std::sin(degrees * pi / 180);
+        if (std::abs(along(kx, ky)) > 1e-9) { // not square to it
+            EXPECT_EQ(spectrum.density(kx, ky) > 0.0, along(kx, ky) > 0) << degrees;
+        }
+    }
+    // So do the waves that are made: their energy on average over seeds, and which there are at all.
+    const auto sea = realize(scene);
+    const CascadeModes& modes = sea->cascades[0];
+    const std::vector<double> energy = mode_variances(spectrum, modes.spec, modes.band);
+    std::complex<double> mean;
+    int waves = 0;
+    for (int i = 0; i < 256 * 256; ++i) {
+        const int nx = signed_index(i % 256, 256), ny = signed_index(i / 256, 256);
+        const auto index = static_cast<std::size_t>(i);
+        mean += std::polar(energy[index], std::atan2(ny, nx));
+        waves += modes.h0[index] != 0.0;
+        if (along(nx, ny) < -std::sqrt(0.5)) { // no corner of its cell lies downwind
+            EXPECT_EQ(modes.h0[index], 0.0) << nx << ", " << ny;
+        }
+    }
+    EXPECT_NEAR(std::arg(mean), towards_rad, pi / 180);
+    EXPECT_GT(waves, 1000);
+}
+
 } // namespace
 } // namespace seaway::sea
