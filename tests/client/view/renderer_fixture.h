@@ -53,6 +53,11 @@ class RendererTest : public gpu::DeviceTest {
         return glm::normalize(
             camera_.ray((x + 0.5) / camera_.width * 2 - 1, (y + 0.5) / camera_.height * 2 - 1));
     }
+    /// How far from the ray of a pixel a place lies that is given from the eye.
+    double off_ray_m(const glm::dvec3& seen, int x, int y) const {
+        const glm::dvec3 through = ray(x, y);
+        return glm::length(seen - through * glm::dot(seen, through));
+    }
     SyntheticSea gale() {
         const Result<sea::Scene> scene =
             sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");

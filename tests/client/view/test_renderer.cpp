@@ -17,24 +17,32 @@ TEST_F(RendererTest, drawn_points_are_where_a_query_finds_the_sea) {
     const sea::Surface surface = sea.surface(frame);
     const Picture picture = render(frame, sky_at_hour(15), DebugView::place);
     int compared = 0;
+    double moved_least_m = 1e9;
     for (int y = 0; y < picture.height; y += 3)
         for (int x = 0; x < picture.width; x += 5) {
             const float* place = picture.pixel(x, y);
-            const double local_x = static_cast<double>(place[0]);
-            const double local_y = static_cast<double>(place[1]);
-            const double world_x = camera_.x_m + local_x, world_y = camera_.y_m + local_y;
-            const sea::LagrangianPoint p = surface.at(world_x, world_y, frame.time_us);
-            const sea::Answer answer =
-                surface.answer({world_x + frame.choppiness.x * p.displacement_x,
-                                world_y + frame.choppiness.y * p.displacement_y, frame.time_us});
+            const glm::dvec2 still(place[0], place[1]);
+            const glm::dvec2 eye(camera_.x_m, camera_.y_m);
+            const sea::LagrangianPoint p =
+                surface.at(eye.x + still.x, eye.y + still.y, frame.time_us);
+            const glm::dvec2 moved(frame.choppiness.x * p.displacement_x,
+                                   frame.choppiness.y * p.displacement_y);
+            const glm::dvec2 there = eye + still + moved;
+            const sea::Answer answer = surface.answer({there.x, there.y, frame.time_us});
             if (answer.flags & sea::answer_folded)
                 continue;
             ++compared;
+            moved_least_m = std::min(moved_least_m, glm::length(moved));
             // Cells are 0.1 m here: flat triangles miss (k s)^2 / 8 of the finest waves, 10 % of
             // some centimetres.
             EXPECT_NEAR(static_cast<double>(place[2]), answer.height_m, 0.01) << x << ", " << y;
+            // And there the pixel's ray meets it: within a pixel, and a centimetre more of flat triangles sideways.
+            const glm::dvec3 seen(still + moved, static_cast<double>(place[2]) - camera_.z_m);
+            EXPECT_LT(off_ray_m(seen, x, y), camera_.pixel_rad() * glm::length(seen) + 0.02)
+                << x << ", " << y;
         }
     EXPECT_GT(compared, 200);
+    EXPECT_GT(moved_least_m, 0.5) << "else it does not matter whether points are moved";
 }
 
 // From 3000 m the horizon lies six pixels below the level; the edge of a plane that ends where the sea
@@ -344,10 +352,9 @@ TEST_F(RendererTest, a_pixel_shows_the_moved_point_that_its_ray_meets) {
                                    frame.choppiness.y * p.displacement_y);
             moved_most_m = std::max(moved_most_m, glm::length(moved));
             const glm::dvec3 seen(still + moved, static_cast<double>(place[2]) - camera_.z_m);
-            const glm::dvec3 through = ray(x, y);
-            const double off_m = glm::length(seen - through * glm::dot(seen, through));
             // A pixel, and a centimetre of flat triangles.
-            EXPECT_LT(off_m, camera_.pixel_rad() * glm::length(seen) + 0.01) << x << ", " << y;
+            EXPECT_LT(off_ray_m(seen, x, y), camera_.pixel_rad() * glm::length(seen) + 0.01)
+                << x << ", " << y;
         }
     EXPECT_GT(moved_most_m, 1.5);
 }
