@@ -70,30 +70,6 @@ TEST(Foam, E2_an_hour_of_storm_stays_between_0_and_1_and_finite) {
     EXPECT_EQ(largest, 1.0); // it was a storm
 }
 
-TEST(Foam, E3_decay_of_zero_and_infinity_have_a_meaning_at_any_tick) {
-    // Naive: exp(-dt/0) is 0/0 at dt = 0.
-    const double infinity = std::numeric_limits<double>::infinity();
-    EXPECT_EQ(foam_remains(0.0, 0.0), 0.0); // no history: foam is where waves break now
-    EXPECT_EQ(foam_remains(0.1, 0.0), 0.0);
-    EXPECT_EQ(foam_remains(1e5, 0.0), 0.0);
-    EXPECT_EQ(foam_remains(0.0, 4.0), 1.0);
-    EXPECT_DOUBLE_EQ(foam_remains(4.0, 4.0), std::exp(-1.0));
-    EXPECT_EQ(foam_remains(1e5, 4.0), 0.0);
-    EXPECT_EQ(foam_remains(0.0, infinity), 1.0); // never clears
-    EXPECT_EQ(foam_remains(0.1, infinity), 1.0);
-    EXPECT_EQ(foam_remains(1e5, infinity), 1.0);
-
-    const sea::RealizationPtr sea = storm();
-    const FoamLawPtr instant = make_foam_law(*sea, {0.6, 0.0, 3.0});
-    EXPECT_GT(instant->mean_coverage, 0.0);
-    FoamHistory history(instant, 0, 4, interval_us);
-    history.advance(uniform_strains(4, -0.5f), 0.0);
-    const float breaking = history.ratios()[0];
-    EXPECT_GT(breaking, 1.0f);
-    history.advance(uniform_strains(4, 0.3f), 0.0);
-    EXPECT_LT(history.ratios()[0], 0.1f); // forgotten at once
-}
-
 // Naive: what was shown between two ticks stays for ever.
 TEST(Foam, a_step_is_shown_that_follows_a_time_between_ticks) {
     Strains strains(storm(), 0);
