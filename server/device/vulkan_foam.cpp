@@ -25,14 +25,10 @@ void after_all(gpu::Commands& commands) {
     commands.barrier(gpu::Stage::copy, gpu::Stage::copy);
 }
 
-bool tells_jacobian(const shaders::FoamStep& step) {
-    return (step.flags & shaders::foam_tells_jacobian) != 0;
-}
-
-bool may_tell_jacobian(const shaders::FoamStep& step, const sea::Choppiness& choppiness) {
+bool may_tell_jacobian(const shaders::FoamStep& step, const sea::Choppiness& asked) {
     return (step.flags & shaders::foam_looks) != 0 &&
-           step.choppiness_x == static_cast<float>(choppiness.x) &&
-           step.choppiness_y == static_cast<float>(choppiness.y);
+           step.choppiness_x == static_cast<float>(asked.x) &&
+           step.choppiness_y == static_cast<float>(asked.y);
 }
 
 } // namespace

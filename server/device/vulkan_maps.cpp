@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "base/spare_memory.h"
+#include "gpu/call.h"
 #include "server/device/synthesizer.h"
 #include "server/device/vulkan_fields.h"
 
@@ -113,7 +114,10 @@ Result<VulkanMaps*> VulkanMapsBySize::of_size(const std::shared_ptr<gpu::Device>
                                               std::size_t bytes_max) {
     std::shared_ptr<VulkanMaps>& maps = maps_[size];
     if (!maps) {
-        SEAWAY_TRY_LET(maps, VulkanMaps::create(device, size, bytes_max));
+        Result<std::shared_ptr<VulkanMaps>> made = VulkanMaps::create(device, size, bytes_max);
+        for (; !made && gpu::is_out_of_memory(made.error()) && bytes_max > 0; bytes_max /= 2)
+            made = VulkanMaps::create(device, size, bytes_max / 2);
+        SEAWAY_TRY_LET(maps, std::move(made));
     }
     return maps->size() > 0 ? maps.get() : nullptr;
 }

@@ -80,7 +80,8 @@ class VulkanMaps : public std::enable_shared_from_this<VulkanMaps> {
 /// Those of every size that was asked for.
 class VulkanMapsBySize {
   public:
-    /// Made when they are first asked for; null: not even one may be held.
+    /// Made when they are first asked for; where the device has no memory for so many, half of them, or a quarter. Null: not even
+    /// one may be held.
     Result<VulkanMaps*> of_size(const std::shared_ptr<gpu::Device>& device, int size,
                                 std::size_t bytes_max);
     /// Those that were made; null: none.
