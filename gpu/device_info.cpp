@@ -65,10 +65,11 @@ std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical) {
 
 std::optional<std::uint32_t>
 pick_transfer_family(std::span<const VkQueueFamilyProperties> families) {
-    constexpr VkQueueFlags more = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    // What works on video or on optical flow copies too, as a sideline.
+    constexpr VkQueueFlags beside = VK_QUEUE_SPARSE_BINDING_BIT | VK_QUEUE_PROTECTED_BIT;
     for (std::uint32_t i = 0; i < families.size(); ++i)
-        if (families[i].queueCount > 0 && (families[i].queueFlags & VK_QUEUE_TRANSFER_BIT) &&
-            !(families[i].queueFlags & more))
+        if (families[i].queueCount > 0 &&
+            (families[i].queueFlags & ~beside) == VK_QUEUE_TRANSFER_BIT)
             return i;
     return std::nullopt;
 }

@@ -101,6 +101,9 @@ TEST(TransferFamily, is_one_that_copies_and_does_nothing_else) {
     EXPECT_EQ(pick_transfer_family(std::vector{family(all), family(computes), family(copies)}), 2u);
     EXPECT_EQ(pick_transfer_family(std::vector{family(copies, 0), family(copies), family(all)}), 1u)
         << "a family without queues is none";
+    const auto video = family(copies | VK_QUEUE_VIDEO_DECODE_BIT_KHR);
+    EXPECT_EQ(pick_transfer_family(std::vector{family(all), video}), std::nullopt);
+    EXPECT_EQ(pick_transfer_family(std::vector{family(all), video, family(copies)}), 2u);
     EXPECT_EQ(pick_transfer_family(std::vector{family(VK_QUEUE_SPARSE_BINDING_BIT)}), std::nullopt);
     EXPECT_EQ(pick_transfer_family({}), std::nullopt);
 }

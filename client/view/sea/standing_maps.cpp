@@ -105,9 +105,8 @@ Result<void> StandingMaps::take(const SeaFrame& frame, const gpu::Buffer& values
 
 void StandingMaps::record(gpu::Commands& commands, const gpu::Buffer& values) {
     using gpu::Stage;
-    // Whoever computed the maps did so in a run of his own; foam that is shown as it is kept was copied.
+    // Whoever computed the maps did so in a run of his own.
     commands.barrier(Stage::compute, Stage::compute);
-    commands.barrier(Stage::copy, Stage::compute);
     int points = 0;
     for (std::size_t c = 0; 2 * c < taken_.size(); ++c) {
         const StandingKeyframe& before = *taken_[2 * c];
