@@ -24,7 +24,7 @@ struct Sampling {
     /// One a point, filled in, or none: what error_m of the answers is made of.
     std::span<sea::ErrorTerms> terms = {};
     /// The times are meant as those of now_us(), or of moments at a distance from it: what the clock may be off by is part of
-    /// error_m. Three samples instead of one.
+    /// error_m. Three samples instead of one, up to nine of a clock that is far off (sea_motion.h).
     bool of_now = false;
     /// Keyframes that came answer where they cover the time, though there are waves.
     bool keyframes_first = false;

@@ -49,6 +49,7 @@
 #include "client/local_surface.h"
 #include "client/looks.h"
 #include "client/rebuilt/waves_of.h"
+#include "client/sea_motion.h"
 #include "client/staleness.h"
 #include "client/status.h"
 #include "client/subscriptions.h"
@@ -281,11 +282,10 @@ class Client {
     void mark(std::span<const Unheard> unheard, std::span<const sea::QueryPoint> points,
               std::span<sea::Answer> answers, std::span<sea::ErrorTerms> terms = {},
               std::span<double> moved_off_m = {}) const;
-    /// Bound on what now_us() is off by.
-    sea::TimeUs now_error_us() const;
-    /// client_now.cpp: what the water may be further on by.
+    sea::TimeUs now_error_us() const; ///< bound on what now_us() is off by
+    SeaMotion motion_within(TimeSpan span, const Looking& looking) const; ///< of all seas of then
     Result<void> add_clock(std::span<const sea::QueryPoint> points, std::span<sea::Answer> answers,
-                           const Sampling& how) const;
+                           const Sampling& how) const; ///< what the water may be further on by
 
     sea::FieldSet sampled_fields() const { return offered(sea::surface_fields); }
     /// Without what the server is known not to offer.

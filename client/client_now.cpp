@@ -89,15 +89,44 @@ TimeUs Client::now_error_us() const {
                     std::abs(shown_us - sea_time(std::floor(elapsed_us - clock.error_us))));
 }
 
-// Of a height that is a polynomial of second degree in so short a time no moment in between is further away than the further end.
+SeaMotion Client::motion_within(TimeSpan span, const Looking& looking) const {
+    SeaMotion motion;
+    const auto add = [&](const SeaState& state, TimeUs time_us) {
+        if (felt_cascades(state, looking) != 0)
+            motion = motion.with(motion_of(state, time_us));
+    };
+    const std::scoped_lock lock(mutex_);
+    add(*sea_state_held(span.from_us), span.from_us);
+    for (const SeaStatePtr& state : sea_states_)
+        if (state->start_time_us > span.from_us && state->start_time_us < span.until_us)
+            add(*state, state->start_time_us);
+    return motion;
+}
+
 Result<void> Client::add_clock(std::span<const QueryPoint> points, std::span<Answer> answers,
                                const Sampling& how) const {
     const TimeUs off_us = now_error_us();
+    if (points.empty())
+        return {};
+    const auto [first, last] = std::ranges::minmax_element(points, {}, &QueryPoint::time_us);
+    const SeaMotion motion =
+        motion_within({first->time_us - off_us, last->time_us + off_us + 1}, how.looking);
+    const int each_way = looks_each_way(motion, sea::seconds_from_us(off_us));
+    const auto looks = static_cast<std::size_t>(2 * each_way + 1);
     RecycledVector<QueryPoint> moved(points.begin(), points.end());
     RecycledVector<Answer> there(points.size());
-    RecycledVector<double> further_m(points.size());
-    std::ranges::fill(further_m, 0.0);
-    for (const TimeUs by_us : {-off_us, off_us}) {
+    RecycledVector<double> heights_m(points.size() * looks); // all of a point together
+    RecycledVector<double> less_sure_m(points.size());
+    RecycledVector<std::uint32_t> folded(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        heights_m[i * looks + looks / 2] = answers[i].height_m;
+        less_sure_m[i] = 0;
+        folded[i] = answers[i].flags & sea::answer_folded;
+    }
+    for (std::size_t look = 0; look < looks; ++look) {
+        if (look == looks / 2) // the answers themselves
+            continue;
+        const TimeUs by_us = off_us * (static_cast<TimeUs>(look) - each_way) / each_way;
         for (std::size_t i = 0; i < points.size(); ++i)
             moved[i].time_us =
                 std::clamp(points[i].time_us + by_us, -sea::time_us_max, sea::time_us_max);
@@ -112,14 +141,21 @@ Result<void> Client::add_clock(std::span<const QueryPoint> points, std::span<Ans
             answers[i].flags |= then.flags & (sea::answer_extrapolated | sea::answer_stale);
             if (then.flags & sea::answer_open)
                 answers[i].flags |= sea::answer_open | sea::answer_folded;
-            further_m[i] = std::max(further_m[i], std::abs(then.height_m - here.height_m) +
-                                                      std::max(then.error_m - here.error_m, 0.0));
+            folded[i] |= then.flags & sea::answer_folded;
+            heights_m[i * looks + look] = then.height_m;
+            less_sure_m[i] = std::max(less_sure_m[i], then.error_m - here.error_m);
         }
     }
+    const double apart_s = sea::seconds_from_us(off_us) / each_way;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        answers[i].error_m += further_m[i];
+        if (answers[i].flags & sea::answer_invalid)
+            continue;
+        const double further_m =
+            furthest_m({&heights_m[i * looks], looks}, apart_s, motion, folded[i] != 0) +
+            less_sure_m[i];
+        answers[i].error_m += further_m;
         if (!how.terms.empty())
-            how.terms[i].clock_m = further_m[i];
+            how.terms[i].clock_m = further_m;
     }
     return {};
 }

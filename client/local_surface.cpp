@@ -60,7 +60,13 @@ double coded_strain_variance(const sea::MapLoss& loss, const KeyframePair& pair,
     return std::max(of(*pair.before), of(*pair.after));
 }
 
-/// The largest on the way.
+sea::FoldSearch folds_of(const SeaState& state) {
+    return sea::fold_search(state.displacement_reach_m, largest_choppiness(state),
+                            state.rms_strain);
+}
+
+} // namespace
+
 sea::Choppiness largest_choppiness(const SeaState& state) {
     sea::Choppiness largest{state.choppiness_x, state.choppiness_y};
     if (state.glide)
@@ -69,21 +75,13 @@ sea::Choppiness largest_choppiness(const SeaState& state) {
     return largest;
 }
 
-/// Of a server that does not say: as if its steepest waves were its shortest.
-double curvature_per_m(const SeaState& state) {
+double told_curvature_per_m(const SeaState& state) {
     double shortest_radpm = 0;
     for (const protocol::CascadeInfo& cascade : state.cascades)
         shortest_radpm = std::max(shortest_radpm, cascade.k_hi_radpm);
     return state.curvature_per_m > 0 ? state.curvature_per_m
                                      : sea::bound_sigmas * state.rms_slope * shortest_radpm;
 }
-
-sea::FoldSearch folds_of(const SeaState& state) {
-    return sea::fold_search(state.displacement_reach_m, largest_choppiness(state),
-                            state.rms_strain);
-}
-
-} // namespace
 
 void add_codec(sea::CascadeLoss& loss, const KeyframePair& pair) {
     add_rounding(loss.height, pair, Field::height, Field::height_rate);
@@ -110,7 +108,7 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
                                                      : state.interpolation_displacement_m,
                         .strain_bound = state.interpolation_strain,
                         .rms_slope = state.rms_slope,
-                        .curvature_per_m = curvature_per_m(state)};
+                        .curvature_per_m = told_curvature_per_m(state)};
     double coded_strain2 = 0, coarser_strain2 = 0;
     bool compact = false;
     for (const KeyframePair& pair : pairs) {

@@ -56,6 +56,11 @@ sea::MapError local_map_error(const SeaState& state, std::span<const KeyframePai
 /// What coding costs heights and displacements of a pair, beside what its sea says of the cascade.
 void add_codec(sea::CascadeLoss& loss, const KeyframePair& pair);
 
+/// The largest on the way of a sea that glides.
+sea::Choppiness largest_choppiness(const SeaState& state);
+/// Of a server that does not say: as if its steepest waves were its shortest.
+double told_curvature_per_m(const SeaState& state);
+
 /// Choppiness differs from moment to moment: a surface is of its moment alone.
 bool glides_choppiness(const SeaState& state);
 

@@ -261,8 +261,10 @@ enum {
     /* Sea times, that are what they are: the answer is of that time, and no clock has a part in its error. */
     SEAWAY_STATED_TIMES = 0,
     /* Meant as the present, or as a moment so much before or after it: made of seaway_now_us a short while ago. What that is off by
-     * moves the water, so error_m has a part for it: as much as the height differs there within seaway_clock's error_us and slew_us,
-     * at the sea's pace. The answer then holds for the sea as it is at that moment on the server. Three samples instead of one. */
+     * moves the water, so error_m has a part for it: as much as the height differs there at any moment within seaway_clock's error_us and
+     * slew_us, at the sea's pace (of stylised waves that run faster than water's a guess). The answer then holds for the sea as it is at
+     * that moment on the server. Three samples instead of one; five or nine where the clock is off by more than some 50 ms, 20 in short steep
+     * waves. Off by more than a tenth of a peak period the part becomes several times what the water moves, and at last what any sea so high may do. */
     SEAWAY_TIMES_OF_NOW = 1
 };
 

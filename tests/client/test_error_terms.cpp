@@ -2,9 +2,11 @@
 // What seaway_sample_terms says an error is made of, and what the clock does to who asks about now (decision 0062).
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
+#include "sea/basics/deviations.h"
 #include "sea/surface/surface.h"
 #include "tests/client/engine.h"
 #include "tests/support/allocations.h"
@@ -154,6 +156,57 @@ TEST_F(ErrorTerms, of_the_clock_are_what_the_water_moves_meanwhile) {
     }
     EXPECT_GT(largest, 0.55 * std::min(before_s, after_s))
         << "the largest wave alone moves by 0.74 m/s";
+}
+
+// Waves of 0.8 s, between whose ends there is a crest or more: the ends alone say nothing of it.
+TEST(ClockTerms, are_true_of_every_moment_that_a_clock_off_by_a_third_of_a_second_may_mean) {
+    tests::WaveSea sea(tests::known_waves(
+        {160.0, 8.0}, 20.0, {{0, 2, 1, 0.05, 0.3}, {1, 8, 2, 0.015, 1.0}, {1, 9, -3, 0.01, 4.0}}));
+    sea.state_change = [](protocol::SeaStateValues& state) {
+        // Of k 6.5 and 7.5 rad/m: what sums of squares of k a and k^2 a, halved, come to.
+        state.rms_slope = state.rms_strain = 0.087;
+        state.curvature_per_m = sea::bound_sigmas * 0.6;
+        state.realised.hs_m = 4 * 0.038;
+    };
+    sea.late_ms = 700; // to the client both ways are of 350 ms
+    const auto net = tests::serve(sea);
+    ASSERT_TRUE(net);
+    Sea client(net->url());
+    seaway_subscription spectrum{};
+    spectrum.rung = SEAWAY_SPECTRUM;
+    client.subscribe(spectrum);
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> place(-100, 100);
+    std::vector<seaway_point> points(100);
+    const sea::TimeUs now_us = client.now_us();
+    for (seaway_point& point : points)
+        point = {place(random), place(random), now_us};
+    seaway_sampling of_now = SEAWAY_SIZED(seaway_sampling);
+    of_now.times = SEAWAY_TIMES_OF_NOW;
+    std::vector<seaway_terms> terms(points.size());
+    const double before_us = client.clock().error_us;
+    ASSERT_EQ(seaway_sample_terms(client.handle(), &of_now, points.data(), points.size(),
+                                  terms.data(), sizeof(seaway_terms)),
+              SEAWAY_OK)
+        << seaway_last_error();
+    // Answers that come meanwhile leave less of it, and without any it grows by 1.5 ms a second.
+    const double off_us = 0.99 * std::min(before_us, client.clock().error_us);
+    ASSERT_GT(off_us, 250'000);
+    int crests = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto off_m = [&](double by_us) {
+            return std::abs(
+                terms[i].answer.height_m -
+                sea.truth({points[i].x_m, points[i].y_m, points[i].time_us + std::llround(by_us)})
+                    .height_m);
+        };
+        double furthest_m = 0;
+        for (int moment = -20; moment <= 20; ++moment)
+            furthest_m = std::max(furthest_m, off_m(off_us * moment / 20));
+        EXPECT_LE(furthest_m, terms[i].answer.error_m);
+        crests += furthest_m > 0.005 + std::max(off_m(-off_us), off_m(off_us));
+    }
+    EXPECT_GT(crests, 10) << "the ends alone do not tell";
 }
 
 TEST_F(ErrorTerms, of_who_hears_nothing_say_what_may_have_changed) {

@@ -3,16 +3,19 @@
 // direct sum, so that what a client makes of them can be held against the truth.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <numbers>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "protocol/messages.h"
@@ -33,25 +36,27 @@ inline constexpr int wave_map_size = 32;
 inline constexpr float wave_codec_m = 0.0005f;
 inline constexpr float wave_codec_mps = 0.005f;
 
-inline sea::RealizationPtr few_waves() {
-    struct Wave {
-        std::size_t cascade;
-        int nx, ny;
-        double amplitude_m, phase_rad;
-    };
+struct KnownWave {
+    std::size_t cascade;
+    int nx, ny;
+    double amplitude_m, phase_rad;
+};
+
+/// Of two cascades. None of the waves is near `shortest_of_both_m`, where one ends and the other begins.
+inline sea::RealizationPtr known_waves(const std::array<double, 2>& lengths_m,
+                                       double shortest_of_both_m,
+                                       std::initializer_list<KnownWave> waves) {
     auto sea = std::make_shared<sea::Realization>();
-    for (const double length_m : {160.0, 29.0}) {
+    for (const double length_m : lengths_m) {
         sea::CascadeModes modes;
         modes.spec = {length_m, wave_map_size};
-        const double shortest_of_both_m = 20; // none of the waves is near it
         modes.band = {sea->cascades.empty() ? 0 : 2 * std::numbers::pi / shortest_of_both_m,
                       modes.spec.nyquist_radpm()};
         modes.h0.resize(wave_map_size * wave_map_size);
         modes.rate.resize(modes.h0.size());
         sea->cascades.push_back(std::move(modes));
     }
-    for (const Wave& wave : {Wave{0, 2, 1, 0.8, 0.3}, Wave{0, 3, -1, 0.3, 2.0},
-                             Wave{1, 2, 3, 0.04, 1.0}, Wave{1, -1, 3, 0.03, 4.0}}) {
+    for (const KnownWave& wave : waves) {
         sea::CascadeModes& modes = sea->cascades[wave.cascade];
         const double step = modes.spec.wavenumber_step_radpm();
         const double k_radpm = step * std::hypot(wave.nx, wave.ny);
@@ -68,8 +73,16 @@ inline sea::RealizationPtr few_waves() {
     return sea;
 }
 
+inline sea::RealizationPtr few_waves() {
+    return known_waves(
+        {160.0, 29.0}, 20.0,
+        {{0, 2, 1, 0.8, 0.3}, {0, 3, -1, 0.3, 2.0}, {1, 2, 3, 0.04, 1.0}, {1, -1, 3, 0.03, 4.0}});
+}
+
 class WaveSea : public server::Host {
   public:
+    explicit WaveSea(sea::RealizationPtr waves = few_waves()) : sea_(std::move(waves)) {}
+
     /// Fields that it can give; whoever asks for others gets the rest.
     std::atomic<sea::FieldSet> offered = sea::surface_fields | sea::FieldSet{sea::Field::slope_x};
     std::atomic<bool> answer_queries = true;
@@ -157,6 +170,8 @@ class WaveSea : public server::Host {
         state.displacement_reach_m = 1.5 * state.realised.hs_m;
         state.probes = sea::make_probes(sum_, state.start_time_us);
         state.probe_error_m = sea::probe_error_m;
+        if (state_change)
+            state_change(state);
         std::vector<server::SharedBytes> messages;
         if (told_pace)
             messages.push_back(std::make_shared<const protocol::Bytes>(protocol::pace(*told_pace)));
@@ -241,6 +256,8 @@ class WaveSea : public server::Host {
         return server::GrantedSpectrum{0.001f, 1.0f, request.wish.fields, "", {made}};
     }
     std::function<void(sea::WaveBlock&)> spectrum_change = {};
+    /// Of what is told of the sea; set before anybody connects.
+    std::function<void(protocol::SeaStateValues&)> state_change = {};
     std::atomic<std::uint32_t> told_epoch = epoch; ///< of the sea that runs
     sea::TimeUs told_from_us = -sea::time_us_max;  ///< the start of that, before anybody connects
     std::atomic<sea::TimeUs> unsure_us = 0;        ///< for how long it has doubted it
@@ -261,7 +278,7 @@ class WaveSea : public server::Host {
         return one;
     }
 
-    const sea::RealizationPtr sea_ = few_waves();
+    const sea::RealizationPtr sea_;
     const sea::DirectSum sum_{sea_};
     const std::vector<sea::DirectSum> single_{sea::DirectSum(only(*sea_, 0)),
                                               sea::DirectSum(only(*sea_, 1))};
