@@ -5,8 +5,9 @@
  * microseconds since the sea's epoch. Points are world points, not displaced.
  *
  * Two ways to ask. seaway_query: the server answers; a round trip. seaway_sample: this process
- * answers from the keyframes that it holds, or from the waves; about a microsecond a point, no waiting, no
- * network.
+ * answers from the keyframes that it holds, or from the waves; never asks the network. From keyframes about a microsecond a point and
+ * no waiting. From waves a call may make keyframes first, on the caller's thread, some ms once in some tenths of a second, or wait for another thread
+ * that makes them (SEAWAY_WAVES_FIRST in client/seaway_engine.h).
  * Both state a bound on the error of every height, and agree within it.
  *
  * Maps for textures, foam, displacements, questions without waiting: client/seaway_engine.h.
@@ -101,7 +102,8 @@ typedef struct seaway_connect_options {
     uint32_t stays_lost; /* 1: a connection that has ended does not come back */
     uint32_t threadless; /* 1: the library makes no thread, see below */
     /* How long before now streamed keyframes can still be sampled, 0 to 60; 0: 0.25. What seaway_hold fetches stays
-     * besides. Each second costs some 1.6 MB a keyframe of 256 x 256, of a gale 12 MB. */
+     * besides. Each second costs some 1.6 MB for each keyframe of 256 x 256 that came before anybody sampled, and 2.4 MB for each
+     * that is sampled, of a gale 12 and 18 MB. */
     double look_back_s;
 } seaway_connect_options;
 

@@ -90,7 +90,6 @@ TEST(Clock, h1_drift_of_100_ppm_and_one_sided_queueing_leave_less_than_3_ms) {
     EXPECT_NEAR(clock.status(120 * second_us).drift_ppm, 100, 60);
 }
 
-// However few: a share of three samples would be one, and one has no slope.
 // A line of 20 ms each way with what a wireless one adds: each way 0 to some ms (an exponential of 2 ms), one packet in twenty held
 // for up to 60 ms more, and a queue of 8 ms on the way back alone. Asked are an rms of 1.5 ms and 3 ms at the 99th percentile,
 // from when the window is full; ten lines of ten minutes.
