@@ -2,6 +2,7 @@
 #include "tools/bench/sample.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <random>
 
@@ -60,7 +61,12 @@ Result<HeldSurface> held_surface(const server::RunningSea& sea) {
                        0, end_us};
 }
 
-enum class Times { shared, same, own, warm };
+enum class Times { shared, same, own, drifting, probe, unremembered };
+
+/// A point of a hull, asked about step after step; of the last with what it knows from the one before. The same places and times.
+bool is_hull(Times times) {
+    return times == Times::probe || times == Times::unremembered;
+}
 
 struct Way {
     std::size_t points;
@@ -76,10 +82,23 @@ std::string_view name(Times times) {
         return "one, always the same";
     case Times::own:
         return "each its own";
-    case Times::warm:
-        return "one place, warm";
+    case Times::drifting:
+        return "always the same, drifting";
+    case Times::unremembered:
+        return "new each step, a hull's";
+    case Times::probe:
+        return "the same with a probe";
     }
     return "";
+}
+
+/// It makes way, and lies in the span of the keyframes that are held: a step is a 60th of a second, and the last one of the span leads
+/// back to its beginning, a jump in some tens of steps.
+sea::QueryPoint on_a_hull(const HeldSurface& held, std::size_t step) {
+    constexpr double way_mps = 5, step_s = 1.0 / 60;
+    const auto steps = static_cast<double>(step);
+    const TimeUs passed_us = std::llround(1e6 * steps * step_s) % (held.end_us - held.start_us);
+    return {300.0 + way_mps * step_s * steps, 200.0, held.start_us + passed_us};
 }
 
 std::vector<sea::QueryPoint> drawn(const HeldSurface& held, const Way& way) {
@@ -94,8 +113,10 @@ std::vector<sea::QueryPoint> drawn(const HeldSurface& held, const Way& way) {
             time_us = time(random);
         const double x_m = place(random), y_m = place(random);
         points.push_back({x_m, y_m, time_us});
-        if (way.times == Times::warm) // a hull drifts by centimetres
+        if (way.times == Times::drifting) // by centimetres, and no time passes
             points.back() = {300.0 + 1e-6 * x_m, 200.0 + 1e-6 * y_m, same_us};
+        if (is_hull(way.times))
+            points.back() = on_a_hull(held, i);
     }
     return points;
 }
@@ -106,13 +127,15 @@ void measure(const HeldSurface& held, const Way& way, const SampleOptions& optio
     const sea::PointKernel& kernel = sea::point_kernel(
         options.kernel == "portable" ? Instructions::portable : best_instructions());
     sea::MixedMaps mixed; // as a client has
+    std::vector<sea::PointMemory> memory(way.times == Times::probe ? way.points : 0);
     std::vector<double> each_ns;
     std::size_t first = 0;
     const double end = thread_ns() + 1e9 * options.seconds;
     for (double before = thread_ns(); before < end;) {
         std::size_t count = 0;
         for (; count < std::max(timed_points_min, way.points); count += way.points) {
-            held.surface.answer({&points[first], way.points}, answers, {way.parts, &mixed}, kernel);
+            held.surface.answer({&points[first], way.points}, answers,
+                                {.parts = way.parts, .mixed = &mixed, .memory = memory}, kernel);
             first = (first + way.points) % places_drawn;
         }
         const double after = thread_ns();
@@ -120,7 +143,7 @@ void measure(const HeldSurface& held, const Way& way, const SampleOptions& optio
         before = thread_ns();
     }
     const double median_ns = quantile(each_ns, 0.5), late_ns = quantile(each_ns, 0.99);
-    fmt::print("{:>6}  {:<22} {:<8} {:>9.0f} {:>9.0f} {:>10.2f}\n", way.points, name(way.times),
+    fmt::print("{:>6}  {:<25} {:<8} {:>9.0f} {:>9.0f} {:>10.2f}\n", way.points, name(way.times),
                way.parts == AnswerParts::all ? "all" : "height", median_ns, late_ns,
                1e3 / median_ns);
 }
@@ -131,14 +154,15 @@ Result<void> run_sample(const SampleOptions& options) {
     SEAWAY_TRY_LET(const sea::Scene scene, sea::read_scene(options.scene));
     SEAWAY_TRY_LET(const server::RunningSeaPtr sea, server::make_running_sea(scene, 1));
     SEAWAY_TRY_LET(const HeldSurface held, held_surface(*sea));
-    fmt::print("{:>6}  {:<22} {:<8} {:>9} {:>9} {:>10}\n", "points", "times", "parts", "ns, p50",
+    fmt::print("{:>6}  {:<25} {:<8} {:>9} {:>9} {:>10}\n", "points", "times", "parts", "ns, p50",
                "ns, p99", "M a second");
     const auto wanted = [&](std::size_t points) {
         return options.points == 0 || static_cast<std::size_t>(options.points) == points;
     };
     for (const AnswerParts parts : {AnswerParts::height, AnswerParts::all}) {
         if (wanted(1))
-            measure(held, {1, Times::warm, parts}, options);
+            for (const Times times : {Times::drifting, Times::unremembered, Times::probe})
+                measure(held, {1, times, parts}, options);
         for (const Times times : {Times::shared, Times::same, Times::own})
             for (const std::size_t points : {std::size_t{1}, std::size_t{64}, std::size_t{1024}})
                 if (wanted(points))

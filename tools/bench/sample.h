@@ -19,7 +19,8 @@ struct SampleOptions {
 
 /// Prints a row a way of asking: median and 99 % of the CPU time that a batch takes, divided by its
 /// points, and points a second. Single points are timed sixteen at a time. Places are scattered
-/// over 20 km and new in each batch, as its time is; "warm" is one place asked again and again.
+/// over 20 km and new in each batch, as its time is. "Drifting" is a place that moves by centimetres while no time passes. A
+/// hull's point makes way, at a new time each step; with a probe it is looked for where it was found before.
 Result<void> run_sample(const SampleOptions& options);
 
 } // namespace seaway::bench
