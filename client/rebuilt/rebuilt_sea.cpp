@@ -18,6 +18,9 @@ namespace {
 /// Half of what the told curvature of a single wave is.
 constexpr double one_wave_bends = 0.5 * std::numbers::sqrt2 / sea::bound_sigmas;
 
+/// Smaller Jacobians are counted as this one: nearer to a fold answers are flagged.
+constexpr double area_least = 0.1;
+
 Result<void> check_tiles(const protocol::SeaStateValues& state, const sea::Realization& waves) {
     bool same = state.cascades.size() == waves.cascades.size();
     for (std::size_t c = 0; same && c < waves.cascades.size(); ++c)
@@ -63,13 +66,15 @@ sea::InverseOptions RebuiltSea::options(const sea::QueryPoint& point) const {
     return options;
 }
 
-void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer,
+void RebuiltSea::add_error(const sea::QueryPoint& point, double area, sea::Answer& answer,
                            sea::ErrorTerms* terms) const {
     const double sideways = sea::surface_slope(answer) * waves_->choppiness.largest();
     const double inverse_m = answer.error_m + sea::exact_tolerance_m(point);
-    // To first order; and to second what the slope itself is off by, and how far the surface bends over that way. Of a single wave,
-    // whose errors all agree, nothing else is left for these; of its curvature sqrt(2) of five deviations are all.
-    const double moved_m = waves_->choppiness.largest() * error_.displacement_m;
+    // To first order; and to second what the slope itself is off by, and how far the surface bends over that way, which is longer where
+    // water is squeezed. Of a single wave, whose errors all agree, nothing else is left for these; of its curvature sqrt(2) of five deviations
+    // are all.
+    const double moved_m =
+        waves_->choppiness.largest() * error_.displacement_m / std::max(area, area_least);
     const double second_m = moved_m * (sea::bound_sigmas / sea::fold_sigmas * error_.strain +
                                        one_wave_bends * curvature_per_m_ * moved_m);
     const double waves_m = std::hypot(error_.height_m, sideways * error_.displacement_m) + second_m;
@@ -82,15 +87,17 @@ void RebuiltSea::add_error(const sea::QueryPoint& point, sea::Answer& answer,
 
 sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, const sea::DirectSum::Moment& moment,
                                sea::ErrorTerms* terms) const {
-    sea::Answer answer = sea::surface_at(point, options(point), moment);
-    add_error(point, answer, terms);
+    double area = 1;
+    sea::Answer answer = sea::surface_at(point, options(point), moment, nullptr, &area);
+    add_error(point, area, answer, terms);
     return answer;
 }
 
 sea::Answer RebuiltSea::answer(const sea::QueryPoint& point, double z_m,
                                const sea::DirectSum::Moment& moment, sea::WaterBelow& water) const {
-    sea::Answer answer = sea::water_at(point, z_m, options(point), moment, water);
-    add_error(point, answer, nullptr);
+    double area = 1;
+    sea::Answer answer = sea::water_at(point, z_m, options(point), moment, water, &area);
+    add_error(point, area, answer, nullptr);
     return answer;
 }
 

@@ -83,7 +83,9 @@ class RebuiltSea final : public OwnSea {
 
   private:
     sea::InverseOptions options(const sea::QueryPoint& point) const;
-    void add_error(const sea::QueryPoint& point, sea::Answer& answer, sea::ErrorTerms* terms) const;
+    /// `area`: the Jacobian of the answer.
+    void add_error(const sea::QueryPoint& point, double area, sea::Answer& answer,
+                   sea::ErrorTerms* terms) const;
 
     const sea::RealizationPtr waves_;
     const sea::DirectSum sum_;

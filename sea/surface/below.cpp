@@ -15,11 +15,11 @@ std::optional<double> still_z_m(double z_m, double surface_m, double depth_m) {
 }
 
 Answer water_at(const QueryPoint& point, double z_m, const InverseOptions& options,
-                const DirectSum::Moment& moment, WaterBelow& water) {
+                const DirectSum::Moment& moment, WaterBelow& water, double* area) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     Vec2 place{};
     Answer answer = surface_at({std::isfinite(z_m) ? point.x_m : nan, point.y_m, point.time_us},
-                               options, moment, &place);
+                               options, moment, &place, area);
     water = {};
     if (answer.flags & answer_invalid) {
         water = {{nan, nan, nan}, nan};

@@ -25,8 +25,8 @@ namespace seaway::sea {
 std::optional<double> still_z_m(double z_m, double surface_m, double depth_m);
 
 /// The surface above a point, as surface_at() has it, and the water at `z_m`, up from still water. Where there is none it
-/// is still and the answer is flagged answer_dry. What is not finite makes answer and water NaN, answer_invalid.
+/// is still and the answer is flagged answer_dry. What is not finite makes answer and water NaN, answer_invalid. `area`: as there.
 Answer water_at(const QueryPoint& point, double z_m, const InverseOptions& options,
-                const DirectSum::Moment& moment, WaterBelow& water);
+                const DirectSum::Moment& moment, WaterBelow& water, double* area = nullptr);
 
 } // namespace seaway::sea

@@ -204,7 +204,7 @@ double surface_slope(const Answer& answer) {
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
-                  SheetBounds* sheets, Vec2* lagrangian) {
+                  SheetBounds* sheets, Vec2* lagrangian, double* area) {
     if (!std::isfinite(point.x_m) || !std::isfinite(point.y_m))
         return invalid_answer();
     Solver solver({point.x_m, point.y_m}, options, field);
@@ -217,25 +217,28 @@ Answer surface_at(const QueryPoint& point, const InverseOptions& options, Lagran
         *lagrangian = highest.sheet.lagrangian;
 
     const LagrangianPoint& p = highest.sheet.point;
+    const double found_area = jacobian(p, options.choppiness);
+    if (area != nullptr)
+        *area = found_area;
     Answer answer = answer_of(p, options.choppiness);
     answer.flags = highest.flags;
     // Turned sheets are never alone.
-    if (jacobian(p, options.choppiness) <= 0 && !(answer.flags & answer_folded))
+    if (found_area <= 0 && !(answer.flags & answer_folded))
         answer.flags |= answer_folded | answer_open;
     if (highest.sheet.residual_m > options.tolerance_m)
         answer.flags |= answer_not_converged;
     const double residual_m = highest.sheet.residual_m;
-    answer.error_m = residual_m * surface_slope(answer) +
-                     bent_m(options.curvature_per_m, residual_m,
-                            std::max(jacobian(p, options.choppiness), fold_suspected_below)) +
-                     highest.error_m;
+    answer.error_m =
+        residual_m * surface_slope(answer) +
+        bent_m(options.curvature_per_m, residual_m, std::max(found_area, fold_suspected_below)) +
+        highest.error_m;
     return answer;
 }
 
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,
-                  const DirectSum::Moment& moment, Vec2* lagrangian) {
+                  const DirectSum::Moment& moment, Vec2* lagrangian, double* area) {
     MomentSheets sheets(moment, options);
-    Answer answer = surface_at(point, options, LagrangianField(moment), &sheets, lagrangian);
+    Answer answer = surface_at(point, options, LagrangianField(moment), &sheets, lagrangian, area);
     if (!moment.moves_sideways() && !(answer.flags & answer_invalid))
         answer.flags |= answer_vertical_velocity;
     return answer;

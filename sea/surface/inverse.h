@@ -97,13 +97,15 @@ struct InverseOptions {
 /// caller adds what its maps cost. A point that is not finite gives NaN and answer_invalid.
 /// `sheets` knows where other sheets may lie; without it the first one found is the answer, and
 /// flagged where J came below fold_suspected_below on the way. `lagrangian` gets the undisplaced place
-/// of the answer.
+/// of the answer, `area` the Jacobian there; of what is no point nothing.
 Answer surface_at(const QueryPoint& point, const InverseOptions& options, LagrangianField field,
-                  SheetBounds* sheets = nullptr, Vec2* lagrangian = nullptr);
+                  SheetBounds* sheets = nullptr, Vec2* lagrangian = nullptr,
+                  double* area = nullptr);
 
 /// The exact sum, with all of its sheets (sea/surface/moment_sheets.h).
 Answer surface_at(const QueryPoint& point, const InverseOptions& options,
-                  const DirectSum::Moment& moment, Vec2* lagrangian = nullptr);
+                  const DirectSum::Moment& moment, Vec2* lagrangian = nullptr,
+                  double* area = nullptr);
 
 /// What counts as solved of the exact sum, m: a nanometre, and what rounding leaves of places far out. There one step of the
 /// place's last digit moves the residual by as many as the surface is squeezed, some in a sea that folds.
