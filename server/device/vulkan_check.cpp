@@ -117,8 +117,7 @@ constexpr float height_step_m = 0x1p-12f, rate_step_mps = 0x1p-30f;
 
 struct Maps {
     std::vector<std::vector<float>> planes; ///< by field
-    std::vector<float> jacobian,
-        jacobian_of_foam;                   ///< by the kernel of its own, and by that of foam
+    std::vector<float> jacobian;
     std::vector<float> foam;                ///< of a history of 1, after the tick
     std::vector<float> height_alone;        ///< computed without company
     std::vector<std::int16_t> height_steps; ///< empty: memory is read in place, and nothing rounded
@@ -134,22 +133,18 @@ Result<void> run_derived(gpu::Device& device, const SynthesisKernels& kernels, V
     VulkanFoam histories(device, kernels.size());
     SEAWAY_TRY_LET(const FoamMapPtr history, histories.open(nullptr));
     FoamWork foam{&histories.histories(), {foam_step(check_tick())}, {1}};
-    foam.steps[0].flags |= shaders::foam_keeps | shaders::foam_shows | shaders::foam_tells_jacobian;
+    foam.steps[0].flags |= shaders::foam_keeps | shaders::foam_shows;
     foam.steps[0].history = histories.place(*history);
     foam.steps[0].shown = batch.place(packing, 0, sea::Field::foam);
     foam.steps[0].strain_xx = batch.place(packing, 0, sea::Field::strain_xx);
     foam.steps[0].strain_yy = batch.place(packing, 0, sea::Field::strain_yy);
     foam.steps[0].strain_xy = batch.place(packing, 0, sea::Field::strain_xy);
-    foam.steps[0].jacobian = batch.place(packing, 0, sea::Field::jacobian);
-    SEAWAY_TRY(batch.run({&job, 1}, packing, {&choppiness}));
-    batch.read_map(VulkanBatch::own, 0, packing.map_of(sea::Field::jacobian), maps.jacobian);
-    SEAWAY_TRY(batch.run({&job, 1}, packing, {nullptr, &foam}));
+    SEAWAY_TRY(batch.run({&job, 1}, packing, {&choppiness, &foam}));
     for (const sea::Field field : sea::strain_fields)
         batch.read_map(VulkanBatch::own, 0, packing.map_of(field),
                        maps.planes[static_cast<std::size_t>(field)]);
     batch.read_map(VulkanBatch::own, 0, packing.map_of(sea::Field::foam), maps.foam);
-    batch.read_map(VulkanBatch::own, 0, packing.map_of(sea::Field::jacobian),
-                   maps.jacobian_of_foam);
+    batch.read_map(VulkanBatch::own, 0, packing.map_of(sea::Field::jacobian), maps.jacobian);
     return {};
 }
 
@@ -178,7 +173,6 @@ Result<Maps> run(gpu::Device& device, const SynthesisKernels& kernels,
     const VulkanBatch::Job job{0, checked_us};
     const std::size_t points = cascade.h0.size();
     Maps maps{{sea::field_count, std::vector<float>(points)},
-              std::vector<float>(points),
               std::vector<float>(points),
               std::vector<float>(points),
               std::vector<float>(points),
@@ -221,7 +215,6 @@ Result<void> compare_point(const Maps& maps, const std::vector<Mode>& modes, int
                               choppiness.x * choppiness.y * xy.value * xy.value,
                           (1 + choppiness.x * xx.scale) * (1 + choppiness.y * yy.scale)};
     SEAWAY_TRY(compare(size, "jacobian", x, y, maps.jacobian[at], determinant));
-    SEAWAY_TRY(compare(size, "jacobian beside foam", x, y, maps.jacobian_of_foam[at], determinant));
     float ratio = 1.0f;
     const std::array<float, 3> at_point{static_cast<float>(xx.value), static_cast<float>(yy.value),
                                         static_cast<float>(xy.value)};

@@ -25,12 +25,6 @@ void after_all(gpu::Commands& commands) {
     commands.barrier(gpu::Stage::copy, gpu::Stage::copy);
 }
 
-bool may_tell_jacobian(const shaders::FoamStep& step, const sea::Choppiness& asked) {
-    return (step.flags & shaders::foam_looks) != 0 &&
-           step.choppiness_x == static_cast<float>(asked.x) &&
-           step.choppiness_y == static_cast<float>(asked.y);
-}
-
 } // namespace
 
 /// Which places are taken. Outlives the device.
@@ -160,9 +154,8 @@ bool has_turn_of(std::span<const std::size_t> indices, std::span<const KeyframeR
 FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest> requests,
                    std::span<const std::size_t> indices,
                    const std::function<std::uint32_t(std::size_t job, sea::Field field)>& place,
-                   const sea::Choppiness* jacobian, std::uint64_t& ticks) {
+                   std::uint64_t& ticks) {
     FoamWork work;
-    std::size_t told = 0;
     std::vector<std::vector<shaders::FoamStep>> rounds;
     std::map<const FoamMap*, std::size_t> taken; ///< rounds of each map
     for (std::size_t job = 0; job < indices.size(); ++job) {
@@ -171,7 +164,6 @@ FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest>
             continue;
         const FoamTurn& foam = *request.foam;
         work.histories = &histories->histories();
-        bool to_tell = jacobian != nullptr;
         const auto add = [&](const sea::FoamTick& tick, std::uint32_t flags) {
             shaders::FoamStep step = foam_step(tick);
             step.flags |= flags;
@@ -183,12 +175,6 @@ FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest>
             step.history = histories->place(*foam.map);
             step.shown = flags & shaders::foam_shows ? place(job, sea::Field::foam) : 0;
             step.departure = foam.shown.departure;
-            if (to_tell && may_tell_jacobian(step, *jacobian)) {
-                step.flags |= shaders::foam_tells_jacobian;
-                step.jacobian = place(job, sea::Field::jacobian);
-                to_tell = false;
-                ++told;
-            }
             const std::size_t round = taken[foam.map]++;
             rounds.resize(std::max(rounds.size(), round + 1));
             rounds[round].push_back(step);
@@ -202,7 +188,6 @@ FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest>
             add(foam.shown.tick, shaders::foam_shows);
         ticks += foam.kept.has_value() + (shows && foam.shown.tick.looks());
     }
-    work.tells_jacobian = jacobian != nullptr && told == indices.size();
     for (const std::vector<shaders::FoamStep>& round : rounds) {
         work.steps.insert(work.steps.end(), round.begin(), round.end());
         work.rounds.push_back(static_cast<std::uint32_t>(round.size()));

@@ -55,8 +55,7 @@ struct FoamWork {
     const gpu::Buffer* histories = nullptr;
     std::vector<shaders::FoamStep> steps;
     std::vector<std::uint32_t>
-        rounds;                  ///< how many steps each dispatch takes: no two of one history
-    bool tells_jacobian = false; ///< of each job: no other kernel has to look at its strains
+        rounds; ///< how many steps each dispatch takes: no two of one history
 
     bool empty() const { return steps.empty(); }
 };
@@ -66,12 +65,11 @@ bool has_turn_of(std::span<const std::size_t> indices, std::span<const KeyframeR
                  const FoamTurn* turn);
 
 /// What the turns of these requests, of one size, do, those of one map after each other. `histories`: null where none has
-/// a turn. `place`: where a map of one of them stands. `jacobian`: it is asked for, with this choppiness; told where each of them
-/// has a step that looks at its strains, with the same. Ticks are counted in `ticks`.
+/// a turn. `place`: where a map of one of them stands. Ticks are counted in `ticks`.
 FoamWork foam_work(const VulkanFoam* histories, std::span<const KeyframeRequest> requests,
                    std::span<const std::size_t> indices,
                    const std::function<std::uint32_t(std::size_t job, sea::Field field)>& place,
-                   const sea::Choppiness* jacobian, std::uint64_t& ticks);
+                   std::uint64_t& ticks);
 
 /// The numbers of a tick, as the kernel takes them; places and flags are the caller's.
 shaders::FoamStep foam_step(const sea::FoamTick& tick);

@@ -281,20 +281,21 @@ Vulkan::start_on_device(const Run& run, const Packing& packing,
     for (const std::size_t index : run.indices)
         jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
                         sea_->phase_time(requests[index].time_us)});
-    const sea::Choppiness* jacobian = run.batch->jacobian() ? &sea_->choppiness : nullptr;
     const auto histories = foam_.find(run.batch->size);
     const FoamWork foam = foam_work(
         histories == foam_.end() ? nullptr : &histories->second, requests, run.indices,
         [&](std::size_t job, sea::Field field) {
             return run.on->place(packing, job, field, first_held);
         },
-        jacobian, counters_.foam_ticks);
+        counters_.foam_ticks);
     if (packing.fields == 0 && foam.empty())
         return std::optional<VulkanBatch::RunId>();
-    const VulkanBatch::After after{foam.tells_jacobian ? nullptr : jacobian,
-                                   foam.empty() ? nullptr : &foam, rounding ? &*rounding : nullptr};
     SEAWAY_TRY_LET(const VulkanBatch::RunId id, counted(*run.on, [&] {
-                       return run.on->start(jobs, packing, after, first_held, more);
+                       return run.on->start(jobs, packing,
+                                            {run.batch->jacobian() ? &sea_->choppiness : nullptr,
+                                             foam.empty() ? nullptr : &foam,
+                                             rounding ? &*rounding : nullptr},
+                                            first_held, more);
                    }));
     counters_.transforms += jobs.size() * static_cast<std::size_t>(packing.fields);
     return std::optional(id);

@@ -1,10 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: Apache-2.0
-// Histories of foam, a step each, four points at a time, and the Jacobian of the strains that are looked at. The law is that of sea/foam/foam_kernel_impl.h, whose
+// Histories of foam, a step each, four points at a time. The law is that of sea/foam/foam_kernel_impl.h, whose
 // polynomials these are, with fewer products; server/device/vulkan_check.cpp holds the two together.
 #include "shared/synthesis.h"
-#include "compute/jacobian.glsl"
 
 layout(local_size_x = synthesis_workgroup) in;
 layout(constant_id = 0) const uint quads = foam_quads_on_cpu; // of an invocation
@@ -31,15 +30,6 @@ FoamStep step_of(uint index) {
                     e.x, e.y, e.z, e.w, f.x, f.y, uintBitsToFloat(f.z), f.w);
 }
 
-struct Strains {
-    vec4 xx, yy, xy;
-};
-
-Strains strains_at(FoamStep s, uint quad) {
-    return Strains(texelFetch(maps, int(s.strain_xx + quad)), texelFetch(maps, int(s.strain_yy + quad)),
-                   texelFetch(maps, int(s.strain_xy + quad)));
-}
-
 /// phi(t), 0 <= t <= 12.5: 2^n by exponent bits, 2^f by a polynomial.
 vec4 normal_density(vec4 t) {
     vec4 power = t * t * (-0.5 * 1.44269504);
@@ -50,10 +40,10 @@ vec4 normal_density(vec4 t) {
     return intBitsToFloat(floatBitsToInt(mantissa) + (ivec4(whole) << 23));
 }
 
-vec4 breaking(FoamStep s, Strains strains) {
-    vec4 a = s.choppiness_x * strains.xx;
-    vec4 b = s.choppiness_y * strains.yy;
-    vec4 c = s.choppiness_xy * strains.xy;
+vec4 breaking(FoamStep s, vec4 strain_xx, vec4 strain_yy, vec4 strain_xy) {
+    vec4 a = s.choppiness_x * strain_xx;
+    vec4 b = s.choppiness_y * strain_yy;
+    vec4 c = s.choppiness_xy * strain_xy;
     vec4 c2 = c * c;
     vec4 difference = a - b;
     vec4 top = (s.threshold + s.curvature) - (1.0 + a) * (1.0 + b) + c2;
@@ -98,13 +88,10 @@ void main() {
     for (uint i = 0u; i < quads; ++i) {
         uint quad = first + i * synthesis_workgroup;
         vec4 ratio = texelFetch(before, int(s.history + quad)) * s.remains + s.added;
-        if ((s.flags & foam_looks) != 0u) {
-            Strains strains = strains_at(s, quad);
-            ratio += s.source * breaking(s, strains);
-            if ((s.flags & foam_tells_jacobian) != 0u)
-                foam[s.jacobian + quad] =
-                    jacobian_of(s.choppiness_x, s.choppiness_y, strains.xx, strains.yy, strains.xy);
-        }
+        if ((s.flags & foam_looks) != 0u)
+            ratio += s.source * breaking(s, texelFetch(maps, int(s.strain_xx + quad)),
+                                         texelFetch(maps, int(s.strain_yy + quad)),
+                                         texelFetch(maps, int(s.strain_xy + quad)));
         ratio = flushed(ratio);
         if ((s.flags & foam_keeps) != 0u)
             histories[s.history + quad] = ratio;

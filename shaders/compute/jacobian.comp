@@ -1,9 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: Apache-2.0
-// The Jacobian of one cascade, four points an invocation, where no foam looks at its strains (compute/foam.comp).
+// J = (1 + lx Dxx)(1 + ly Dyy) - lx ly Dxy^2 of one cascade, four points an invocation.
 #include "shared/synthesis.h"
-#include "compute/jacobian.glsl"
 
 layout(local_size_x = synthesis_workgroup) in;
 layout(binding = 0) uniform samplerBuffer maps; // [map][y][x / 4]
@@ -21,8 +20,9 @@ uint place(uint map, uint quad) {
 
 void main() {
     uint quad = gl_GlobalInvocationID.x;
+    vec4 xx = push.choppiness_x * texelFetch(maps, int(place(push.map_xx, quad)));
+    vec4 yy = push.choppiness_y * texelFetch(maps, int(place(push.map_yy, quad)));
+    vec4 xy = texelFetch(maps, int(place(push.map_xy, quad)));
     target[place(push.map_jacobian, quad)] =
-        jacobian_of(push.choppiness_x, push.choppiness_y, texelFetch(maps, int(place(push.map_xx, quad))),
-                    texelFetch(maps, int(place(push.map_yy, quad))),
-                    texelFetch(maps, int(place(push.map_xy, quad))));
+        (1.0 + xx) * (1.0 + yy) - push.choppiness_x * push.choppiness_y * xy * xy;
 }

@@ -47,7 +47,7 @@ struct SynthesisPush {
     uint first_map; ///< of the first job, in maps of the target
 };
 
-/// The Jacobian kernel makes one map of three, where the foam kernel does not.
+/// The Jacobian kernel makes one map of three.
 struct JacobianPush {
     uint maps;      ///< a job
     uint first_map; ///< of the first job
@@ -69,10 +69,9 @@ SEAWAY_SHARED_CONSTANT foam_steps_max = 128;
 SEAWAY_SHARED_CONSTANT foam_quads_on_cpu = 4;
 SEAWAY_SHARED_CONSTANT foam_quads_on_gpu = 1;
 /// Flags of a step.
-SEAWAY_SHARED_CONSTANT foam_looks = 1;          ///< at strains
-SEAWAY_SHARED_CONSTANT foam_keeps = 2;          ///< the history is what the step leaves
-SEAWAY_SHARED_CONSTANT foam_shows = 4;          ///< a map is
-SEAWAY_SHARED_CONSTANT foam_tells_jacobian = 8; ///< of the strains that it looks at
+SEAWAY_SHARED_CONSTANT foam_looks = 1; ///< at strains
+SEAWAY_SHARED_CONSTANT foam_keeps = 2; ///< the history is what the step leaves
+SEAWAY_SHARED_CONSTANT foam_shows = 4; ///< a map is
 
 struct FoamPush {
     uint first_step; ///< of the dispatch, one a z
@@ -90,7 +89,7 @@ struct FoamStep {
     uint history; ///< place of its map
     uint shown;   ///< place of a map
     float departure;
-    uint jacobian; ///< place of a map
+    uint unused;
 };
 
 /// Maps that are rounded together at most, and steps from zero that a sample of 16 bits may be.

@@ -337,11 +337,6 @@ TEST(FoamOnVulkan, keyframes_hold_what_was_asked_and_all_cascades_of_a_size_shar
     const std::uint64_t before_tick = device->counters().dispatches;
     ASSERT_TRUE(foam.synthesize(*device, {{0, tick_us, asked}}));
     EXPECT_EQ(device->counters().dispatches - before_tick, of_height + 1);
-    // The Jacobian is of the strains that the tick looks at anyway.
-    const std::uint64_t before_both = device->counters().dispatches;
-    const FieldSet both = asked | FieldSet{Field::jacobian};
-    ASSERT_TRUE(foam.synthesize(*device, {{0, ticks.after(tick_us), both}}));
-    EXPECT_EQ(device->counters().dispatches - before_both, of_height + 1);
 }
 
 TEST_P(FoamOn, follows_a_sea_that_glides_to_another) {
