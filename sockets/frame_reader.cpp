@@ -53,6 +53,17 @@ void unmask(std::span<std::uint8_t> bytes, const std::uint8_t* mask, std::size_t
         bytes[i] ^= turned[i % turned.size()];
 }
 
+/// What the header of a frame says of its payload, where all of the header is there.
+std::uint64_t announced_length(std::span<const std::uint8_t> header) {
+    const std::size_t announced = length_bytes(header[1] & length_bits);
+    if (announced == 0)
+        return header[1] & length_bits;
+    std::uint64_t length = 0;
+    for (const std::uint8_t byte : header.subspan(2, announced))
+        length = length << 8 | byte;
+    return length;
+}
+
 /// Codes that a closing frame may have (RFC 6455, 7.4, and IANA's registry: 1012 to 1014).
 bool is_sent(unsigned code) {
     const bool reserved = code == 1004 || code == 1005 || code == 1006;
@@ -117,6 +128,14 @@ Result<std::optional<FrameReader::Frame>> FrameReader::next(std::span<const std:
     }
 }
 
+/// A part of a message that ends none, or one that has not come whole, may be followed by nothing for long.
+bool FrameReader::gives_message(std::span<const std::uint8_t> bytes) {
+    if (bytes.size() < 2 || (bytes[0] & last_bit) == 0 || (bytes[0] & opcode_bits) > opcode::binary)
+        return false;
+    const std::size_t header = 2 + length_bytes(bytes[1] & length_bits) + mask_bytes;
+    return bytes.size() >= header && bytes.size() - header >= announced_length(bytes);
+}
+
 /// What the first two bytes of a frame say.
 Result<void> FrameReader::check_start() {
     ++frames_begun_;
@@ -153,14 +172,9 @@ Result<void> FrameReader::check_start() {
 /// Judges the length before any of what it announces is held.
 Result<void> FrameReader::begin_payload() {
     const std::size_t announced = length_bytes(header_[1] & length_bits);
-    std::uint64_t length = header_[1] & length_bits;
-    if (announced > 0) {
-        length = 0;
-        for (std::size_t i = 0; i < announced; ++i)
-            length = length << 8 | header_[2 + i];
-        if (length < (announced == 2 ? 126u : 65536u) || (length >> 63) != 0)
-            return against_protocol("a frame's length is not in its shortest form");
-    }
+    const std::uint64_t length = announced_length(header_);
+    if (announced > 0 && (length < (announced == 2 ? 126u : 65536u) || (length >> 63) != 0))
+        return against_protocol("a frame's length is not in its shortest form");
     if (opcode_ <= opcode::binary && length > message_bytes_max_ - message_.size())
         return Error{BadFrame::too_large,
                      fmt::format("a message of more than {} bytes", message_bytes_max_)};

@@ -42,6 +42,8 @@ class FrameReader {
     /// The next message or control frame that is whole. What it has read is taken from the front of `bytes`; none: all
     /// of them, and more are needed. After an error nothing is to be read.
     Result<std::optional<Frame>> next(std::span<const std::uint8_t>& bytes);
+    /// Of what follows a whole frame: next() gives a message of it, or an error, not nothing and no control frame.
+    static bool gives_message(std::span<const std::uint8_t> bytes);
     /// Of any kind, parts of messages included.
     std::uint64_t frames_begun() const { return frames_begun_; }
 

@@ -16,13 +16,6 @@ namespace seaway::sockets {
 
 namespace asio = boost::asio;
 
-namespace {
-
-/// Of one turn: what others have posted waits for no more.
-constexpr int arrivals_a_turn = 16;
-
-} // namespace
-
 ReadySet::ReadySet(asio::execution_context& context)
     : service(context), epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       loop_(static_cast<asio::io_context&>(context)), ready_(loop_) {
@@ -132,23 +125,34 @@ void ReadySet::on_ready() {
                 set.arm();
         }
     } const again{*this};
-    std::array<epoll_event, arrivals_a_turn> events{};
-    const int count = ::epoll_wait(epoll_, events.data(), arrivals_a_turn, 0);
-    for (int i = 0; i < count; ++i)
-        give(events[static_cast<std::size_t>(i)].data.u64);
+    if (given_ == named_count_)
+        ask_who();
+    for (std::size_t came = 0; given_ < named_count_ && came < bytes_a_turn;)
+        came += give(named_[given_++]);
 }
 
-void ReadySet::give(Id which) {
+/// Not before all whom it named were given theirs: it puts them behind all others.
+void ReadySet::ask_who() {
+    std::array<epoll_event, arrivals_a_turn> events{};
+    const int count = ::epoll_wait(epoll_, events.data(), arrivals_a_turn, 0);
+    given_ = named_count_ = 0;
+    for (; static_cast<int>(named_count_) < count; ++named_count_)
+        named_[named_count_] = events[named_count_].data.u64;
+}
+
+std::size_t ReadySet::give(Id which) {
     const auto found = members_.find(which);
     if (found == members_.end())
-        return; // removed by a handler of this turn
+        return 0; // removed by a handler of this turn, or since the last one
     Member& member = found->second;
-    if (!member.handler || !member.watched)
-        return watch_no_more(member);
+    if (!member.handler || !member.watched) {
+        watch_no_more(member);
+        return 0;
+    }
     const ssize_t received = ::recv(member.handle, bytes_.data(), bytes_.size(), MSG_DONTWAIT);
     const bool nothing = received < 0 && (errno == EAGAIN || errno == EINTR);
     if (nothing)
-        return;
+        return 0;
     boost::system::error_code error;
     if (received < 0)
         error.assign(errno, boost::system::system_category());
@@ -157,7 +161,9 @@ void ReadySet::give(Id which) {
     Handler handler = std::move(member.handler);
     member.handler = nullptr;
     --waiting_;
-    handler(error, {bytes_.data(), received > 0 ? static_cast<std::size_t>(received) : 0});
+    const std::size_t came = received > 0 ? static_cast<std::size_t>(received) : 0;
+    handler(error, {bytes_.data(), came});
+    return came;
 }
 
 } // namespace seaway::sockets

@@ -54,7 +54,9 @@ class ReadySet : public boost::asio::execution_context::service {
     void arm() noexcept;
     bool armed() const { return memory_->in_use(); }
     void on_ready();
-    void give(Id member);
+    void ask_who();
+    /// The bytes that came.
+    std::size_t give(Id member);
     void tell_later() noexcept;
     void tell_removed();
     bool watch(Id id, Member& member);
@@ -64,6 +66,13 @@ class ReadySet : public boost::asio::execution_context::service {
     Id next_ = 1;
     Id removed_ = 0; ///< the last one that will be told, which leads to the others
     int epoll_ = -1;
+    /// Of one turn: what others have posted waits for no more.
+    static constexpr std::size_t arrivals_a_turn = 16;
+    /// With this much a turn is over, too: an arrival that fills the buffer may be hundreds of messages.
+    static constexpr std::size_t bytes_a_turn = 4 * 1024;
+    std::array<Id, arrivals_a_turn> named_{}; ///< by the system, to whom something has come
+    std::size_t named_count_ = 0;
+    std::size_t given_ = 0; ///< of these; the others come first in the next turn
     boost::asio::io_context& loop_;
     boost::asio::posix::stream_descriptor ready_;
     std::size_t waiting_ = 0; ///< handlers

@@ -2,10 +2,12 @@
 #include "sockets/served_web_socket.h"
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include <boost/asio/error.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/websocket.hpp>
@@ -38,6 +40,9 @@ struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
     void receive_now(Read done);
     void on_received(error_code error, std::span<const std::uint8_t> bytes, Read done);
     void read_frames(std::span<const std::uint8_t> bytes, Read done);
+    void keep(std::span<const std::uint8_t> bytes) { left.assign(bytes.begin(), bytes.end()); }
+    void read_left_later(Read done);
+    void read_left(Read done);
     void on_close(std::span<const std::uint8_t> payload, const Read& done);
     void not_understood(const Error& why, const Read& done);
     void send(std::vector<std::uint8_t> frame, std::function<void()> sent = nullptr);
@@ -54,7 +59,7 @@ struct ServedWebSocket::Impl : std::enable_shared_from_this<Impl> {
     FrameReader frames;
     Read wanted;                    ///< by a read() within the callback of another
     bool calling = false;           ///< such a callback
-    std::vector<std::uint8_t> left; ///< received, and not read yet
+    std::vector<std::uint8_t> left; ///< received, and not looked at yet
     Clock::time_point heard = Clock::now();
     bool pinged = false; ///< since then
     bool receiving = false;
@@ -152,10 +157,29 @@ void ServedWebSocket::read(Read done) {
     }
     if (impl.left.empty())
         return impl.receive(std::move(done));
-    asio::post(impl.socket.get_executor(), [self = impl_, done = std::move(done)]() mutable {
-        const std::vector<std::uint8_t> bytes = std::exchange(self->left, {});
-        self->read_frames(bytes, std::move(done));
-    });
+    impl.read_left_later(std::move(done));
+}
+
+void ServedWebSocket::Impl::read_left_later(Read done) {
+    try {
+        auto work = [self = shared_from_this(), done = std::move(done)]() mutable {
+            self->read_left(std::move(done));
+        };
+        if (options.later)
+            options.later(std::move(work));
+        else
+            asio::post(socket.get_executor(), std::move(work));
+    } catch (const std::bad_alloc&) {
+        socket.close(); // nothing would read on
+        throw;
+    }
+}
+
+void ServedWebSocket::Impl::read_left(Read done) {
+    if (socket.descriptor() < 0) // closed while it waited
+        return done(broken(asio::error::operation_aborted));
+    const std::vector<std::uint8_t> bytes = std::exchange(left, {});
+    read_frames(bytes, std::move(done));
 }
 
 /// From who leaves our answers lying nothing more is received: of pings, answers are all that he is sent.
@@ -204,9 +228,13 @@ Error ServedWebSocket::Impl::broken(error_code error) const {
     return {WebSocketEnd::broken, error.message()};
 }
 
-/// One message a read(); what is left when nobody reads waits for the next.
+/// One message a read(); what is left when nobody reads waits for the next, and what is left of many for its turn.
 void ServedWebSocket::Impl::read_frames(std::span<const std::uint8_t> bytes, Read done) {
-    while (done) {
+    for (int given = 0; done;) {
+        if (given == messages_a_turn && !bytes.empty()) {
+            keep(bytes);
+            return read_left_later(std::move(done));
+        }
         const Result<std::optional<FrameReader::Frame>> next = frames.next(bytes);
         if (!next)
             return not_understood(next.error(), done);
@@ -226,13 +254,14 @@ void ServedWebSocket::Impl::read_frames(std::span<const std::uint8_t> bytes, Rea
                 bool& is;
                 ~Calling() { is = false; }
             } const calls{calling = true};
-            std::exchange(done, nullptr)(Message{frame.bytes, frame.binary});
+            const bool more = ++given < messages_a_turn && FrameReader::gives_message(bytes);
+            std::exchange(done, nullptr)(Message{frame.bytes, frame.binary, more});
         }
             done = std::exchange(wanted, nullptr);
             break;
         }
     }
-    left.assign(bytes.begin(), bytes.end());
+    keep(bytes);
 }
 
 void ServedWebSocket::Impl::not_understood(const Error& why, const Read& done) {

@@ -34,6 +34,9 @@ class ServedWebSocket {
     /// Answers a client's request. Errors have the reason alone as message.
     void accept(const Upgrade& upgrade, Done done);
 
+    /// Of one arrival, which may hold hundreds: then others have their turn, and what is left waits behind them.
+    static constexpr int messages_a_turn = 16;
+
     /// The next message, or an error of a kind of WebSocketEnd, behind which there is none. Pings are answered; where
     /// nothing is read, they are not. While an answer has not gone and a second one waits nothing more is received.
     void read(Read done);

@@ -43,11 +43,14 @@ struct WebSocketOptions {
     /// Of a ServedWebSocket: called before more is received, with the bytes that came since and received_frame_bytes for each frame of
     /// any kind; says how long nothing is received from this peer. Empty: what it says costs it nothing.
     std::function<std::chrono::milliseconds(std::size_t)> charge = {};
+    /// Of a ServedWebSocket: runs on its thread, in a later handler and behind those of others, what is left of an arrival of many
+    /// messages. May throw std::bad_alloc, which ends the connection. Empty: behind what is ready then.
+    std::function<void(std::function<void()>)> later = {};
 };
 
-/// What a frame costs beside its bytes: empty ones have to be looked at, too. Half a million in a second are an address's share of
-/// requests, unless that was changed.
-inline constexpr std::size_t received_frame_bytes = 256;
+/// What a frame costs beside its bytes: empty ones have to be looked at, and messages answered. 131 000 in a second are an address's
+/// share of requests, unless that was changed (docs/decisions/0031-the-door.md).
+inline constexpr std::size_t received_frame_bytes = 1024;
 
 class WebSocket {
   public:
@@ -55,6 +58,8 @@ class WebSocket {
     struct Message {
         std::span<const std::uint8_t> bytes; ///< until the next read()
         bool binary = true;
+        /// Of a ServedWebSocket: whoever asks for the next one is given it, or an error, before this handler of his ends.
+        bool more = false;
     };
     struct Close {
         unsigned code = 0;

@@ -399,6 +399,9 @@ bool Session::is_owed() const {
 void Session::close(ErrorCode code, const std::string& why, std::chrono::milliseconds stays_away) {
     if (closing_ || ended_)
         return;
+    or_drop([&] { link_.send_held_back(); });
+    if (ended_)
+        return;
     closing_ = true;
     or_drop([&] {
         end(protocol::name(code), why);

@@ -30,6 +30,8 @@ class Link {
     virtual ~Link() = default;
     /// next_message() may have something.
     virtual void send_more() = 0;
+    /// The same, and at once: the session ends, and answers that are to go out with others would not.
+    virtual void send_held_back() {}
     /// Closes at once, without a word: there is no memory for one. Does not throw.
     virtual void drop() noexcept = 0;
     /// Sends `go_away` after the message that is being sent, then closes with `code` and `why`.

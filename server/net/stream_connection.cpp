@@ -38,6 +38,10 @@ constexpr std::chrono::milliseconds waves_pause{1000};
 sockets::WebSocketOptions web_socket_options(const std::shared_ptr<Core>& core,
                                              const AddressPtr& address) {
     const NetOptions& options = core->options;
+    const auto later = [weak = std::weak_ptr(core)](std::function<void()> work) {
+        if (const std::shared_ptr<Core> alive = weak.lock())
+            alive->turns.later(std::move(work));
+    };
     const auto charge = [weak = std::weak_ptr(core), address](std::size_t bytes) {
         const auto now = Bucket::Clock::now();
         address->request_bytes.take(static_cast<double>(bytes), now);
@@ -52,7 +56,8 @@ sockets::WebSocketOptions web_socket_options(const std::shared_ptr<Core>& core,
             .idle_patience = options.idle_timeout,
             .message_bytes_max = protocol::limits::client_message_bytes_max,
             .kept_buffer_bytes = idle_buffer_bytes,
-            .charge = charge};
+            .charge = charge,
+            .later = later};
 }
 
 class StreamConnection final : public Link,
@@ -80,13 +85,18 @@ class StreamConnection final : public Link,
 
     /// What the system takes at once costs no handler, no timer and no turn of the loop.
     void send_more() override {
-        if (sends() || sends_later_)
+        if (holds_back_ || sends() || sends_later_)
             return;
         sends_later_ = core().senders.later(shared_from_this());
         if (sends_later_ || !take_up())
             return;
         write();
         go_on_or_finish();
+    }
+
+    void send_held_back() override {
+        if (std::exchange(holds_back_, false))
+            send_more();
     }
 
     // ---- Sending ---------------------------------------------------------------------------
@@ -293,8 +303,12 @@ class StreamConnection final : public Link,
 
     void on_read(const Result<sockets::ServedWebSocket::Message>& message) {
         reading_ = false;
-        if (!message)
+        if (!message) {
+            send_held_back();
             return on_lost(message.error());
+        }
+        holds_back_ = holds_back_ || message->more;
+        const bool held_back = holds_back_;
         if (message->binary)
             session_->receive(message->bytes);
         else
@@ -302,6 +316,10 @@ class StreamConnection final : public Link,
         if (session_->greeted() || session_->ended())
             says_hello_no_more();
         read();
+        if (!held_back || (reading_ && message->more))
+            return;
+        send_held_back();
+        read(); // no answer that has gone is in its way any more
     }
 
     void on_written(const Result<bool>& all) {
@@ -408,6 +426,8 @@ class StreamConnection final : public Link,
     bool goes_on_ = false;     ///< with sending, in a while
     bool sends_later_ = false; ///< with others
     bool reading_ = false;
+    bool holds_back_ =
+        false; ///< answers, for those of the next message, which comes within this handler
     bool closing_ = false;
     bool shaking_ = false;
     bool lost_ = false;

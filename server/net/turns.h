@@ -29,7 +29,8 @@ class Turns {
     /// In the next turn, before all else; there is one of it at a time. Throws std::bad_alloc, as later() does, where there is no
     /// memory for a turn: what waits has it with the next one that is asked for (go_on()).
     void first(Work work);
-    /// In one of the next turns, after those that came before.
+    /// In one of the next turns, after those that came before, and not in the one that is under way: who goes on and on has one
+    /// work a turn.
     void later(Work work);
     /// A turn for what waits, if there was no memory for one.
     void go_on();

@@ -54,6 +54,23 @@ FrameBytes counted(std::size_t length) {
     return bytes;
 }
 
+// Whoever holds an answer back for those of the next message must not wait for one that is still on its way.
+TEST(FrameReader, what_gives_a_message_is_known_beforehand) {
+    for (const std::size_t length : {0, 5, 125, 126, 70'000}) {
+        const FrameBytes whole = client_frame(counted(length));
+        EXPECT_TRUE(FrameReader::gives_message(whole)) << length;
+        for (const std::size_t cut : {std::size_t{0}, std::size_t{1}, std::size_t{3},
+                                      whole.size() - length - 1, whole.size() - 1})
+            EXPECT_FALSE(FrameReader::gives_message(std::span(whole).first(cut)))
+                << cut << " of " << whole.size();
+    }
+    EXPECT_FALSE(FrameReader::gives_message(client_frame(counted(5), {.last = false})));
+    EXPECT_TRUE(FrameReader::gives_message(client_frame(counted(5), {.opcode = 0})))
+        << "the last part of one, or an error";
+    for (const std::uint8_t control : {8, 9, 10})
+        EXPECT_FALSE(FrameReader::gives_message(client_frame(counted(5), {.opcode = control})));
+}
+
 // RFC 6455, 5.7: the masked examples of the standard itself.
 TEST(FrameReader, the_examples_of_the_standard_are_read) {
     const FrameBytes hello{0x81, 0x85, 0x37, 0xfa, 0x21, 0x3d, 0x7f, 0x9f, 0x4d, 0x51, 0x58};

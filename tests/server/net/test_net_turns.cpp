@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose turn it is on the io thread: between the sessions that are sent a keyframe others are read and answered.
 #include <deque>
+#include <functional>
 #include <list>
 #include <new>
 #include <string>
@@ -178,6 +179,19 @@ TEST_F(TurnsAlone, what_work_asks_for_comes_in_the_next_turn_and_after_what_wait
     EXPECT_EQ(one(), "ab");
     EXPECT_EQ(one(), "kc");
     EXPECT_EQ(one(), "none");
+}
+
+// Naive: who has a work behind each of his works has the whole turn, and nobody is read meanwhile.
+TEST_F(TurnsAlone, who_asks_again_and_again_has_one_work_a_turn) {
+    const std::function<void()> again = [&] {
+        takes(100, 'a')();
+        turns.later(again);
+    };
+    turns.later(again);
+    turns.later(takes(100, 'b'));
+    EXPECT_EQ(one(), "ab");
+    EXPECT_EQ(one(), "a");
+    turns.clear();
 }
 
 TEST_F(TurnsAlone, whom_memory_fails_takes_nobody_elses_turn) {

@@ -93,7 +93,11 @@ class SmallSea : public server::Host {
 
     // ---- Host ------------------------------------------------------------------------------
 
-    sea::TimeUs sea_time_us() const override { return newest * interval_us; }
+    sea::TimeUs sea_time_us() const override {
+        ++times_told;
+        return newest * interval_us;
+    }
+    mutable std::atomic<int> times_told = 0; ///< each Ping asks for one
     std::vector<protocol::SharedBytes> sea_state_messages() const override {
         network = std::this_thread::get_id();
         return states;
@@ -154,6 +158,8 @@ class SmallSea : public server::Host {
     }
     void query(server::QueryBatch batch, Queried done) override {
         askers.push_back(batch.asker);
+        if (on_query)
+            on_query();
         if (is_busy)
             return done(Error{server::Refusal::busy, "later"});
         server::QueryAnswers out{.epoch = answering_epoch, .answers = {}};
@@ -264,6 +270,7 @@ class SmallSea : public server::Host {
     std::size_t map_piece_bytes = 0;
     std::function<void()> on_map_end = {};   ///< where a map ends
     std::function<void()> on_state = {};     ///< where /v1/state is made
+    std::function<void()> on_query = {};     ///< where a question comes
     std::map<int, sea::FieldSet> lacks = {}; ///< fields that keyframes of a cascade do not hold
 
   private:
