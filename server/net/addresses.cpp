@@ -39,6 +39,19 @@ bool Bucket::is_full(Clock::time_point now) {
     return level_ >= burst_;
 }
 
+void CoarserMaps::change(std::optional<Quality> was, std::optional<Quality> now) {
+    if (now == was)
+        return;
+    if (now)
+        ++sessions_[*now];
+    if (was && --sessions_.at(*was) == 0)
+        sessions_.erase(*was);
+}
+
+std::size_t CoarserMaps::kinds_but(std::optional<Quality> own) const {
+    return sessions_.size() - (own && sessions_.at(*own) == 1 ? 1 : 0);
+}
+
 Address::Address(std::string who, const NetOptions& options)
     : name(std::move(who)),
       wrong_tokens(options.wrong_tokens_per_address, options.wrong_tokens_refill),

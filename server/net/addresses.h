@@ -9,9 +9,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "server/host/quality.h"
 #include "server/net/endpoint.h"
 #include "server/net/options.h"
 
@@ -46,6 +48,18 @@ class Bucket {
 enum class Crowding { connections, sessions, wrong_tokens, tokens_not_looked_at, not_understood };
 inline constexpr std::size_t crowdings = 5;
 
+/// How many sessions of an address are sent each kind of coarser maps: asked by each of them when grants are renewed.
+class CoarserMaps {
+  public:
+    /// Of one session, which had none or `was` and has none or `now`.
+    void change(std::optional<Quality> was, std::optional<Quality> now);
+    /// Kinds that sessions have beside one that has none or `own`.
+    std::size_t kinds_but(std::optional<Quality> own) const;
+
+  private:
+    std::map<Quality, int> sessions_;
+};
+
 struct Address {
     Address(std::string who, const NetOptions& options);
 
@@ -54,6 +68,7 @@ struct Address {
     int without_hello = 0; ///< sessions, and upgrades under way
     Bucket wrong_tokens;
     Bucket request_bytes;
+    CoarserMaps coarser_maps;
 
     /// Counts one more that is turned away. The number since the last line of the log where a new
     /// line is due, else 0: the first at once, then one in `log_pause`.

@@ -33,8 +33,8 @@ void close_who_is_furthest_behind(Core& core) {
 
 } // namespace
 
-void Deliveries::add(Delivery keyframe) {
-    waiting_.push_back(std::move(keyframe));
+void Deliveries::add(Delivery one) {
+    waiting_.push_back(std::move(one));
     core_.turns.first([this] { turn(); });
 }
 
@@ -49,7 +49,7 @@ void Deliveries::turn() {
             } catch (const std::bad_alloc&) { // Turns has it
             }
         });
-    const Delivery streamed = waiting_.front();
+    const Delivery delivered = waiting_.front();
     const int threads = core_.senders.threads();
     bool all = false;
     core_.senders.together([&] {
@@ -57,7 +57,10 @@ void Deliveries::turn() {
         for (int i = 1; next != core_.sessions.end(); ++i) {
             Session& session = *next->second; // which may end, and leave the map
             last_ = (next++)->first;
-            session.deliver(streamed);
+            if (delivered.keyframe != nullptr)
+                session.deliver(delivered);
+            else
+                session.announce(delivered.sea_state);
             if (threads == 1 ? core_.turns.over() : i == sessions_a_turn * threads)
                 break;
         }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deliveries: keyframes on their way to the sessions, one keyframe after the other, some sessions in each of the io
+// Deliveries: keyframes and seas on their way to the sessions, one after the other, some sessions in each of the io
 // thread's turns. Of the io thread alone.
 #pragma once
 
 #include <deque>
+#include <utility>
 
 #include "server/host/subscriptions.h"
 #include "server/publish/keyframe_file.h"
@@ -12,7 +13,8 @@ namespace seaway::server {
 
 class Core;
 
-/// A keyframe of the stream, where it lies, and what says of which sea it is.
+/// A keyframe of the stream, where it lies, and what says of which sea it is. Without a keyframe: a sea that is near
+/// (Session::announce()).
 struct Delivery {
     EncodedKeyframePtr keyframe;
     KeyframeFilePtr file = {}; ///< none: its messages are all there is
@@ -26,8 +28,10 @@ class Deliveries {
 
     explicit Deliveries(Core& core) : core_(core) {}
 
-    /// To the sessions that are there when its turn comes. Those of an older keyframe come first.
-    void add(Delivery keyframe);
+    /// To the sessions that are there when its turn comes. Those of what was added before come first.
+    void add(Delivery one);
+    /// A sea that is near. What is added later comes to each session behind it, and a keyframe of it brings it along at the latest.
+    void announce(protocol::SharedBytes sea_state) { add({{}, {}, std::move(sea_state)}); }
 
   private:
     void turn();

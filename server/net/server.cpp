@@ -181,7 +181,7 @@ class NetServer::Impl {
     void publish(KeyframeTiles tiles) { publish_keyframe(core_, std::move(tiles)); }
     void announce(protocol::SharedBytes sea_state) {
         core_->post([core = core_.get(), sea_state = std::move(sea_state)] {
-            for_each_session(*core, [&](Session& session) { session.announce(sea_state); });
+            core->deliveries.announce(sea_state);
         });
     }
     void hand_over(const std::string& why);

@@ -69,7 +69,7 @@ class NetServer {
     void publish(KeyframeTiles tiles);
 
     /// Sends a SeaState message to every session. Durable: a session that cannot take it is closed.
-    /// Any thread; returns at once.
+    /// They are told in turns, each before what is published later. Any thread; returns at once.
     void announce(protocol::SharedBytes sea_state);
 
     /// Sends every session away (GoAway.retry_after_ms), to come back to whatever server a balancer leads it to; who comes from

@@ -2,7 +2,6 @@
 #include "server/net/session.h"
 
 #include <algorithm>
-#include <bitset>
 #include <chrono>
 #include <new>
 
@@ -156,6 +155,7 @@ void Session::on_subscribe(const wire::Subscribe& subscribe) {
     core_.host.subscriptions().set(id_, grant);
     outbox_.set_credit(subscribe.credit());
     subscription_ = Subscription{request_id, wish, subscribe.credit(), grant};
+    count_coarser_maps();
     state_grant();
     Demand start = grant;
     start.fields |= grant.follows;
@@ -177,12 +177,15 @@ bool Session::shares_coarser_maps(const Demand& wish) const {
     if (core_.options.connections_per_address == 0 || // all are one address, that of a proxy
         (wish.size_max == 0 && !(wish.rate_hz_max > 0)))
         return false;
-    std::bitset<quality_rungs> kinds;
-    for (const auto& [id, other] : core_.sessions)
-        if (id != id_ && other->peer_.address == peer_.address && other->subscription_ &&
-            is_coarser(other->subscription_->granted.quality))
-            kinds.set(other->subscription_->granted.quality);
-    return kinds.count() >= coarser_rungs_of_address_max;
+    return peer_.address->coarser_maps.kinds_but(counted_coarser_) >= coarser_rungs_of_address_max;
+}
+
+void Session::count_coarser_maps() {
+    std::optional<Quality> now;
+    if (subscription_ && is_coarser(subscription_->granted.quality))
+        now = subscription_->granted.quality;
+    peer_.address->coarser_maps.change(counted_coarser_, now);
+    counted_coarser_ = now;
 }
 
 void Session::renew_grant() {
@@ -202,6 +205,7 @@ void Session::renew_grant() {
         now.rate_hz_max == before.rate_hz_max && now.size_max == before.size_max)
         return;
     subscription_->granted = now;
+    count_coarser_maps();
     if (other_tiles) {
         subscription_->former_quality = before.quality;
         subscription_->former_cascades = before.cascades;
@@ -218,6 +222,7 @@ void Session::on_unsubscribe(bool spectrum) {
         return;
     }
     subscription_.reset();
+    count_coarser_maps();
     core_.host.subscriptions().erase(id_);
     outbox_.stop_stream();
 }

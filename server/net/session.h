@@ -118,6 +118,8 @@ class Session {
     void renew_grant();
     /// Others of its address have as many kinds of coarser maps as they may have.
     bool shares_coarser_maps(const Demand& wish) const;
+    /// After each change of what is granted.
+    void count_coarser_maps();
     /// Is a keyframe of one that the session is sent?
     bool takes(const EncodedKeyframe& keyframe);
     bool fetches_too_many(std::uint32_t request_id); ///< and says so
@@ -183,6 +185,7 @@ class Session {
         std::uint32_t former_cascades = 0;
     };
     std::optional<Subscription> subscription_;
+    std::optional<Quality> counted_coarser_; ///< at its address
     std::optional<SpectrumDemand> spectrum_wish_;
     int spectra_in_making_ = 0;
     std::vector<std::uint32_t> spectra_sent_; ///< epochs, since the wish; the newest few

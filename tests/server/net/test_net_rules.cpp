@@ -273,6 +273,23 @@ TEST(Addresses, what_is_used_up_comes_back_evenly_and_no_further_than_its_burst)
     EXPECT_EQ(none.wait_for(1, now).count(), 0) << "0 is no limit";
 }
 
+TEST(Addresses, kinds_of_coarser_maps_are_counted_by_who_has_them) {
+    CoarserMaps maps;
+    EXPECT_EQ(maps.kinds_but({}), 0u);
+    maps.change({}, Quality{20});
+    maps.change({}, Quality{20});
+    maps.change({}, Quality{30});
+    EXPECT_EQ(maps.kinds_but({}), 2u);
+    EXPECT_EQ(maps.kinds_but(Quality{20}), 2u) << "another has it, too";
+    EXPECT_EQ(maps.kinds_but(Quality{30}), 1u);
+    maps.change(Quality{20}, Quality{30});
+    maps.change(Quality{30}, Quality{30});
+    EXPECT_EQ(maps.kinds_but(Quality{20}), 1u);
+    EXPECT_EQ(maps.kinds_but(Quality{30}), 2u);
+    maps.change(Quality{20}, {});
+    EXPECT_EQ(maps.kinds_but({}), 1u) << "nobody has it any more";
+}
+
 TEST(Addresses, are_forgotten_when_nothing_is_to_be_remembered_of_them) {
     const NetOptions options;
     Addresses addresses(options);

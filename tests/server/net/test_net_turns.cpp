@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whose turn it is on the io thread: between the sessions that are sent a keyframe others are read and answered.
+#include <algorithm>
 #include <deque>
 #include <functional>
 #include <list>
 #include <new>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -19,14 +21,21 @@ namespace {
 class OpenLink final : public server::Link {
   public:
     void send_more() override {
-        while (const protocol::SharedBytes message = session->next_message())
-            if (const auto* tile = wire::GetMessage(message->data())->body_as_Tile())
+        while (const protocol::SharedBytes message = session->next_message()) {
+            const wire::Message& said = *wire::GetMessage(message->data());
+            if (const auto* tile = said.body_as_Tile()) {
                 tiles_of.push_back(tile->time_us());
+                order += 'k';
+            } else if (said.body_as_SeaState() != nullptr) {
+                order += 's';
+            }
+        }
     }
     void drop() noexcept override {}
     void close(protocol::SharedBytes, wire::ErrorCode, const std::string&) override {}
 
     std::vector<sea::TimeUs> tiles_of;
+    std::string order; ///< of tiles and seas
     server::Session* session = nullptr;
 };
 
@@ -40,14 +49,16 @@ class NetTurns : public ::testing::Test {
             link.session = &sessions_.emplace_back(*core, link, peer, server::Standing::stranger);
             link.session->receive(protocol::hello("test", ""));
             link.session->receive(protocol::subscribe(
-                1, {.cascades = 1u, .fields = {sea::Field::height}, .error_m = 0}, 2));
+                1, {.cascades = 1u, .fields = {sea::Field::height}, .error_m = 0}, 3));
+            EXPECT_EQ(std::exchange(link.order, ""), "s") << "the sea that it is told of first";
         }
     }
-    void deliver(sea::TimeUs time_us) {
+    void deliver(sea::TimeUs time_us, protocol::SharedBytes sea_state = {}) {
         auto keyframe = std::make_shared<sea::Keyframe>(*sea.keyframe(0, 1, sea.offered).keyframe);
         keyframe->time_us = time_us;
         const std::vector<float> lossless(sea.offered.size(), 0.0f);
-        core->deliveries.add({*encoder.encode(*keyframe, lossless, 0, sea.offered)});
+        core->deliveries.add(
+            {*encoder.encode(*keyframe, lossless, 0, sea.offered), {}, std::move(sea_state)});
     }
     /// Works that were posted; false: there was none.
     bool one_turn() {
@@ -57,6 +68,10 @@ class NetTurns : public ::testing::Test {
         posted.pop_front();
         work();
         return true;
+    }
+    std::size_t told() const {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(links, [](const OpenLink& link) { return link.order == "s"; }));
     }
     std::size_t sent() const {
         std::size_t count = 0;
@@ -122,6 +137,43 @@ TEST_F(NetTurns, keyframes_come_to_everybody_in_the_order_in_which_they_were_mad
         continue;
     for (const OpenLink& link : links)
         EXPECT_EQ(link.tiles_of, (std::vector<sea::TimeUs>{1000, 2000}));
+}
+
+// Naive: all of them in one go: new grants for a thousand sessions, while nobody is read.
+TEST_F(NetTurns,
+       a_change_of_the_sea_is_told_to_some_sessions_at_a_time_and_then_others_have_their_turn) {
+    take_in(3 * a_turn - 1);
+    core->deliveries.announce(SmallSea::state_message(1));
+    ASSERT_TRUE(one_turn());
+    EXPECT_EQ(told(), a_turn);
+    bool others_had_theirs = false;
+    core->post([&] { others_had_theirs = true; });
+    ASSERT_TRUE(one_turn());
+    EXPECT_EQ(told(), 2 * a_turn);
+    ASSERT_TRUE(one_turn());
+    EXPECT_TRUE(others_had_theirs) << "before the third turn";
+    while (one_turn())
+        continue;
+    EXPECT_EQ(told(), 3 * a_turn - 1);
+}
+
+TEST_F(NetTurns, each_session_is_told_of_a_sea_once_and_before_its_first_keyframe) {
+    take_in(2 * a_turn);
+    const protocol::SharedBytes next = SmallSea::state_message(1);
+    deliver(1000);
+    core->deliveries.announce(next);
+    deliver(2000, next);
+    while (one_turn())
+        continue;
+    for (const OpenLink& link : links)
+        EXPECT_EQ(link.order, "ksk");
+    const protocol::SharedBytes unannounced = SmallSea::state_message(2);
+    deliver(3000, unannounced); // before its announcement has come through
+    core->deliveries.announce(unannounced);
+    while (one_turn())
+        continue;
+    for (const OpenLink& link : links)
+        EXPECT_EQ(link.order, "ksksk");
 }
 
 /// Turns alone, on a clock that is set by who is at work.
