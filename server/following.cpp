@@ -38,6 +38,24 @@ Doubt Following::kind_of_doubt() const {
     return late || behind_us > behind_us_max ? Doubt::behind : Doubt::none;
 }
 
+std::string in_general(Doubt doubt) {
+    switch (doubt) {
+    case Doubt::stuck:
+    case Doubt::unheard:
+        return "the journal cannot be followed";
+    case Doubt::clock:
+        return "its clock is not that of the others";
+    case Doubt::writing:
+        return "a change is still under way to the journal";
+    case Doubt::ahead:
+    case Doubt::behind:
+        return "its sea is not that of the others yet";
+    case Doubt::none:
+        break;
+    }
+    return {};
+}
+
 std::string Following::doubt() const {
     const double off_us = std::abs(journal.peers.ahead_us);
     switch (kind_of_doubt()) {

@@ -30,6 +30,9 @@ enum class Doubt {
     behind,  ///< some changes are not played yet; passes with that
 };
 
+/// The same in general words, for anybody: no name, number or word of another program. Empty: none.
+std::string in_general(Doubt doubt);
+
 struct Following {
     std::string name; ///< of the journal
     JournalStanding journal;

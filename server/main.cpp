@@ -234,7 +234,9 @@ int serve(const Options& options) {
                  scene.source, utc_text(resumed->epoch_utc_us), (*net)->url());
     world.publish_to([&net](KeyframeTiles tiles) { (*net)->publish(std::move(tiles)); });
     world.announce_to([&net](SharedBytes state) { (*net)->announce(std::move(state)); });
-    world.hand_over_by([&net](const std::string& why) { (*net)->hand_over(why); });
+    world.hand_over_by([&net](const std::string& why, const std::string& in_general) {
+        (*net)->hand_over(why, in_general);
+    });
     auto director = std::make_unique<SeaDirector>(course, resumed->journal.get(), resumed->changes,
                                                   world, clock);
 

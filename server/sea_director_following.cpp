@@ -147,7 +147,9 @@ void SeaDirector::look_for_doubt() {
     if (missed_ || (waits && !rests)) {
         handed_over_for_doubt_ = !why.empty();
         handed_over_us_ = now_us;
-        world_.hand_over(missed_ ? "a change of the sea was missed" : why);
+        constexpr const char* missed = "a change of the sea was missed";
+        world_.hand_over(missed_ ? missed : why,
+                         missed_ ? missed : in_general(now->kind_of_doubt()));
     }
     missed_ = false;
 }

@@ -63,8 +63,9 @@ class World final : public Host {
     using Since = std::function<Result<std::vector<SeaChange>>(std::uint32_t, std::size_t)>;
     void read_by(Since since);
     /// Who sends all sessions to other servers, from now on; and that it is to.
-    void hand_over_by(std::function<void(const std::string&)> hand_over);
-    void hand_over(const std::string& why);
+    using HandOver = std::function<void(const std::string& why, const std::string& why_in_general)>;
+    void hand_over_by(HandOver hand_over);
+    void hand_over(const std::string& why, const std::string& why_in_general);
     /// How it stands with the log, if it follows one.
     std::optional<Following> following() const;
     /// A keyframe that the plan called for, for those who take keyframes at a rate (of rate_rungs_hz): published once a
@@ -129,7 +130,7 @@ class World final : public Host {
     Announce announce_;
     Change change_;
     std::function<Following()> follow_;
-    std::function<void(const std::string&)> hand_over_;
+    HandOver hand_over_;
     Since since_;
     /// The sea that runs and those that announce_due() has told of, in order of time; and what the first of them glides from.
     /// Held, so that nobody on the network's thread has to make one.

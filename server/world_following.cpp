@@ -37,19 +37,19 @@ void World::follow_by(std::function<Following()> follow) {
     follow_ = std::move(follow);
 }
 
-void World::hand_over_by(std::function<void(const std::string&)> hand_over) {
+void World::hand_over_by(HandOver hand_over) {
     const std::scoped_lock lock(mutex_);
     hand_over_ = std::move(hand_over);
 }
 
-void World::hand_over(const std::string& why) {
-    std::function<void(const std::string&)> hand_over;
+void World::hand_over(const std::string& why, const std::string& why_in_general) {
+    HandOver hand_over;
     {
         const std::scoped_lock lock(mutex_);
         hand_over = hand_over_;
     }
     if (hand_over)
-        hand_over(why);
+        hand_over(why, why_in_general);
 }
 
 std::optional<Following> World::following() const {
@@ -107,8 +107,10 @@ Health World::health() const {
         return health;
     if (const std::optional<Following> now = following()) {
         health.why = now->doubt();
+        health.in_general = in_general(now->kind_of_doubt());
         if (health.why.empty() && now->journal.compares)
-            health.why = "it has just begun to compare its clock with those of others";
+            health.why = health.in_general =
+                "it has just begun to compare its clock with those of others";
         health.ready = health.why.empty();
     }
     return health;

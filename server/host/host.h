@@ -117,6 +117,8 @@ struct Health {
     bool live = true;
     std::string why;
     bool ready = true; ///< of one that is live
+    std::string
+        in_general; ///< why it is not ready, for anybody: no name, number or word of another program
 };
 
 class Host {

@@ -26,6 +26,23 @@ Page made(const char* content_type, std::string body) {
     return {.content_type = content_type, .body = std::move(body), .price_bytes = page_price_bytes};
 }
 
+constexpr std::string_view readiness_path = "/readyz";
+
+/// For strangers in general words.
+Page readiness(const Core& core, bool whole) {
+    const Health health = core.host.health();
+    if (!health.live)
+        return {.status = 503, .body = health.why + "\n"};
+    if (core.stopping)
+        return stopping_page(core);
+    if (!health.ready)
+        return {.status = 503, .body = (whole ? health.why : health.in_general) + "\n"};
+    // One that has not said Hello makes room.
+    return core.takes_a_session() || !core.awaiting_hello.empty()
+               ? Page{.body = "ready\n"}
+               : Page{.status = 503, .body = "no session is free\n"};
+}
+
 const std::array<Route, 8> routes{{
     {"/", false,
      [](Core&) {
@@ -45,20 +62,7 @@ const std::array<Route, 8> routes{{
          const Health health = core.host.health();
          return health.live ? Page{.body = "ok\n"} : Page{.status = 503, .body = health.why + "\n"};
      }},
-    {"/readyz", true,
-     [](Core& core) {
-         const Health health = core.host.health();
-         if (!health.live)
-             return Page{.status = 503, .body = health.why + "\n"};
-         if (core.stopping)
-             return stopping_page(core);
-         if (!health.ready)
-             return Page{.status = 503, .body = health.why + "\n"};
-         // One that has not said Hello makes room.
-         return core.takes_a_session() || !core.awaiting_hello.empty()
-                    ? Page{.body = "ready\n"}
-                    : Page{.status = 503, .body = "no session is free\n"};
-     }},
+    {readiness_path, true, [](Core& core) { return readiness(core, true); }},
     {"/metrics", true,
      [](Core& core) {
          return made(prometheus,
@@ -79,7 +83,7 @@ Page stopping_page(const Core& core) {
 }
 
 bool is_for_probers(std::string_view path) {
-    return path == "/healthz" || path == "/readyz";
+    return path == "/healthz" || path == readiness_path;
 }
 
 std::optional<Page> keep_out(const Core& core, std::string_view path, const Judgement& judged) {
@@ -112,6 +116,8 @@ Page page_for(Core& core, std::string_view method, std::string_view path, bool h
     });
     if (!reads && (route != routes.end() || path == map_path || path == "*"))
         return {.status = 405, .body = "only GET and HEAD are served here\n", .allow = "GET, HEAD"};
+    if (path == readiness_path && reads && !health_only && !is_open(core))
+        return readiness(core, false);
     if (route != routes.end())
         return route->make(core);
     if (health_only)

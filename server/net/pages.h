@@ -32,7 +32,8 @@ struct Page {
 /// address's share, unless that was changed.
 inline constexpr double page_price_bytes = 128 * 1024;
 
-/// /healthz and /readyz say nothing that is anybody's: no token is looked at there.
+/// /healthz and /readyz say nothing that is anybody's: no token is looked at there, and where the other pages ask for one /readyz
+/// says in general words why not. All of it stands in /v1/state, and where `health_only`.
 bool is_for_probers(std::string_view path);
 
 /// With a client token, everything but /healthz, /readyz, the shell of the status page and the stream, whose

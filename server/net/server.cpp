@@ -184,7 +184,7 @@ class NetServer::Impl {
             core->deliveries.announce(sea_state);
         });
     }
-    void hand_over(const std::string& why);
+    void hand_over(const std::string& why, const std::string& in_general);
     void stop();
 
   private:
@@ -314,13 +314,13 @@ void NetServer::Impl::take_health(tcp::socket socket, const tcp::endpoint& from)
                peer_of(endpoint_of(from), health_address_, false));
 }
 
-void NetServer::Impl::hand_over(const std::string& why) {
-    core_->post([core = core_.get(), why] {
+void NetServer::Impl::hand_over(const std::string& why, const std::string& in_general) {
+    core_->post([core = core_.get(), why, told = "the server hands over: " + in_general] {
         if (core->stopping)
             return;
         core->begin_to_hand_over(why);
-        for_each_session(*core, [&why](Session& session) {
-            session.close(wire::ErrorCode::shutting_down, "the server hands over: " + why);
+        for_each_session(*core, [&told](Session& session) {
+            session.close(wire::ErrorCode::shutting_down, told);
         });
     });
 }
@@ -423,8 +423,8 @@ void NetServer::publish(KeyframeTiles tiles) {
 void NetServer::announce(protocol::SharedBytes sea_state) {
     impl_->announce(std::move(sea_state));
 }
-void NetServer::hand_over(const std::string& why) {
-    impl_->hand_over(why);
+void NetServer::hand_over(const std::string& why, const std::string& why_in_general) {
+    impl_->hand_over(why, why_in_general);
 }
 void NetServer::stop() {
     impl_->stop();

@@ -73,8 +73,8 @@ class NetServer {
     void announce(protocol::SharedBytes sea_state);
 
     /// Sends every session away (GoAway.retry_after_ms), to come back to whatever server a balancer leads it to; who comes from
-    /// then on is taken. Any thread; returns at once.
-    void hand_over(const std::string& why);
+    /// then on is taken. They hear why in general words, and the log has all. Any thread; returns at once.
+    void hand_over(const std::string& why, const std::string& why_in_general);
 
     /// From the first moment /readyz is 503 and nobody new is taken. Who is owed nothing is sent away at once, with a
     /// time to stay away (GoAway.retry_after_ms); what is under way is finished before, for options.drain_s at

@@ -41,6 +41,16 @@ TEST(Following, what_it_has_not_heard_or_not_played_makes_it_doubt) {
     EXPECT_EQ(stuck.doubt(), stuck.stuck);
 }
 
+TEST(Following, what_it_doubts_is_told_to_anybody_without_names_and_numbers) {
+    for (const Doubt doubt : {Doubt::stuck, Doubt::unheard, Doubt::clock, Doubt::ahead,
+                              Doubt::writing, Doubt::behind}) {
+        const std::string told = in_general(doubt);
+        EXPECT_FALSE(told.empty());
+        EXPECT_EQ(told.find_first_of("0123456789()\"$"), std::string::npos) << told;
+    }
+    EXPECT_EQ(in_general(Doubt::none), "");
+}
+
 TEST(Following, names_the_world_or_the_file_and_not_where_it_lies) {
     Following following = certain();
     following.name = "nats://10.1.2.3:4222,10.1.2.4:4222/north-sea";

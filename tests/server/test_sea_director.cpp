@@ -184,7 +184,7 @@ TEST_F(Director, a_plan_that_was_corrected_often_is_one_change_when_its_time_com
 // Naive: the server has run on while it was written, its clients follow what it says, and who starts it anew has an earlier sea.
 TEST_F(Director, a_pace_that_was_written_too_late_is_followed_by_one_in_which_all_meet) {
     std::atomic<int> handed_over = 0;
-    world.hand_over_by([&handed_over](const std::string&) { ++handed_over; });
+    world.hand_over_by([&handed_over](const std::string&, const std::string&) { ++handed_over; });
     std::vector<protocol::Bytes>
         told; // on the director's thread, which has written when it answers
     world.announce_to([&told](const SharedBytes& message) { told.push_back(*message); });
@@ -258,7 +258,7 @@ TEST_F(Director,
 // The sea has leapt under those who are here: they are to go where it has not.
 TEST_F(Director, a_pace_that_held_already_when_it_came_hands_the_sessions_over) {
     std::atomic<int> handed_over = 0;
-    world.hand_over_by([&handed_over](const std::string& why) {
+    world.hand_over_by([&handed_over](const std::string& why, const std::string&) {
         handed_over += why == "a change of the sea was missed";
     });
     const auto pace_from = [this](TimeUs ahead_us, int permille) {
@@ -275,7 +275,7 @@ TEST_F(Director, a_pace_that_held_already_when_it_came_hands_the_sessions_over) 
 // Naive: a disk that takes six seconds makes a change that has begun by then; nobody knew, and all looked certain.
 TEST_F(Director, a_change_of_its_own_that_is_written_too_late_is_a_doubt_and_starts_sessions_anew) {
     std::atomic<int> handed_over = 0;
-    world.hand_over_by([&handed_over](const std::string& why) {
+    world.hand_over_by([&handed_over](const std::string& why, const std::string&) {
         handed_over += why == "a change of the sea was missed";
     });
     journal.appends_take_ms = 6000; // it would begin after three, and one and an interval
@@ -291,7 +291,7 @@ TEST_F(Director, a_change_of_its_own_that_is_written_too_late_is_a_doubt_and_sta
 TEST_F(Director,
        a_doubt_that_is_about_to_pass_sends_nobody_to_others_and_one_that_stays_does_once) {
     std::atomic<int> handed_over = 0;
-    world.hand_over_by([&handed_over](const std::string&) { ++handed_over; });
+    world.hand_over_by([&handed_over](const std::string&, const std::string&) { ++handed_over; });
     JournalStanding away{.unheard_us = 3'000'000, .current = false, .settles = true};
     away.peers.peers = 2;
     journal.stand(away);

@@ -52,6 +52,31 @@ TEST_F(NetHttp, it_is_ready_while_a_session_would_be_taken_and_healthy_when_it_i
     EXPECT_EQ(get("/healthz").status, 200);
 }
 
+// Naive: whoever reaches the port reads names of streams, rights and hosts out of what NATS said.
+TEST_F(NetHttp, why_it_is_not_ready_is_told_to_strangers_in_general_words) {
+    options.client_token_file = folder().write("ready_client", "open sesame\n");
+    options.health_listen = "127.0.0.1:0";
+    start();
+    host.doubts = true;
+    EXPECT_EQ(get("/readyz").status, 503);
+    EXPECT_EQ(get("/readyz").body, "it is not sure of its sea\n");
+    EXPECT_EQ(ask_http(net->health_port(), "/readyz", "GET").body,
+              "secret.stream has not been heard of\n");
+    const auto client = greeted("open sesame");
+    net->hand_over("secret.stream has not been heard of", "it is not sure of its sea");
+    const wire::Message* away = client->receive(wire::Body::GoAway);
+    ASSERT_TRUE(away);
+    EXPECT_EQ(away->body_as_GoAway()->message()->string_view(),
+              "the server hands over: it is not sure of its sea");
+    EXPECT_EQ(log.lines_with("event=handing_over", "secret.stream").size(), 1u) << log.text();
+}
+
+TEST_F(NetHttp, where_no_token_is_asked_for_anybody_reads_why_it_is_not_ready) {
+    start();
+    host.doubts = true;
+    EXPECT_EQ(get("/readyz").body, "secret.stream has not been heard of\n");
+}
+
 TEST_F(NetHttp, what_is_not_there_or_not_allowed_is_said_clearly) {
     start();
     const auto missing = get("/v2/state");

@@ -244,6 +244,9 @@ class SmallSea : public server::Host {
                "# TYPE seaway_simulation_up gauge\nseaway_simulation_up 1\n";
     }
     server::Health health() const override {
+        if (well && doubts)
+            return {true, "secret.stream has not been heard of", false,
+                    "it is not sure of its sea"};
         return {well, well ? "" : "the simulation has failed"};
     }
 
@@ -257,6 +260,7 @@ class SmallSea : public server::Host {
     static constexpr std::uint32_t answering_epoch = 7; ///< of queries
     std::atomic<std::int64_t> newest = 0;
     std::atomic<bool> well = true;
+    std::atomic<bool> doubts = false; ///< its sea, while it is well
     std::vector<std::function<void()>> unanswered;
     std::vector<server::Asker> askers; ///< of every question, in order
     std::shared_ptr<std::atomic<int>> maps_alive = std::make_shared<std::atomic<int>>(0);
