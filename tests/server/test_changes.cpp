@@ -188,8 +188,12 @@ TEST(Changes, survive_twenty_kills_bit_for_bit_and_none_that_was_acknowledged_is
     const std::string folder = tests::folder().file("killed");
     std::mt19937 random(12);
     std::vector<sea::QueryPoint> points;
-    for (int i = 0; i < 100; ++i)
-        points.push_back({31.0 * i, -17.0 * i, 1'000'000L * (i - 10)});
+    const auto look_at = [&](double begin_s, double end_s) {
+        for (int i = 0; i < 20; ++i)
+            points.push_back(
+                {31.0 * i, -17.0 * i, sea::us_from_seconds(begin_s + (end_s - begin_s) * i / 19)});
+    };
+    look_at(-10, 0);
     std::vector<sea::Answer> before;
     constexpr int kills = 20;
     for (int round = 0; round <= kills; ++round) {
@@ -209,6 +213,8 @@ TEST(Changes, survive_twenty_kills_bit_for_bit_and_none_that_was_acknowledged_is
                 url, {"set", fmt::format("systems.0.wind_speed_10m_mps={}", 6 + 3 * (round % 5)),
                       fmt::format("sea.depth_m={}", 20 + 10 * (round % 4)), "--over", "10s"});
             ASSERT_EQ(said.code, 0) << said.words;
+            // By its own times, so that however long the rounds before took it is looked at: before it, in it and behind it.
+            look_at(number(said.words, "start_s") - 3, number(said.words, "end_s") + 5);
         }
         const auto asked = client->ask(points, {.exact = true, .timeout_s = 60});
         ASSERT_TRUE(asked) << asked.error().message;
