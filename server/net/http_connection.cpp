@@ -195,10 +195,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
             return head_only() ? announce_map(asked.parameters)
                                : serve_map(std::move(slot_), std::move(socket_), std::move(peer_),
                                            std::move(asked.parameters));
-        const Page page = page_for(core(), text(request.method_string()), asked.path, health_only);
-        if (!health_only) // who watches a server at its own address is not to miss anything
-            peer_.address->request_bytes.take(page.price_bytes, Clock::now());
-        respond(page, head_only(), goes_on());
+        respond(page_for(core(), text(request.method_string()), asked.path, health_only),
+                head_only(), goes_on());
     }
 
     /// HEAD: nothing of the map is made.
@@ -270,6 +268,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
 
     void respond(const Page& page, bool head_only, bool keep_alive) {
+        const double says_bytes = head_only ? 0 : static_cast<double>(page.body.size());
+        if (!slot_.door()
+                 .health_only) // who watches a server at its own address is not to miss anything
+            peer_.address->request_bytes.take(page.price_bytes + says_bytes, Clock::now());
         await_request(); // who does not read makes room, too
         answered_.emplace(slot_.door());
         write_page(core(), socket_, page, head_only, keep_alive,

@@ -311,6 +311,38 @@ TEST_F(NetDoor, pages_that_are_made_are_of_the_share_of_who_asks_and_not_for_who
     EXPECT_GE(delayed(), 1);
 }
 
+// Naive: a page that nobody has to make is as cheap as the 60 bytes that ask for it, whatever it says.
+TEST_F(NetDoor, every_answer_is_of_the_share_of_who_asks) {
+    options.client_token_file = folder().write("answers_client", "open sesame\n");
+    options.health_listen = "127.0.0.1:0";
+    options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once
+    start();
+    double delayed = 0;
+    int last = 1;
+    for (const auto& [request, status] : {std::pair("GET /", "200"),
+                                          {"GET /status.js", "200"},
+                                          {"GET /healthz", "200"},
+                                          {"GET /readyz", "200"},
+                                          {"GET /none", "401"},
+                                          {"POST /healthz", "405"},
+                                          {"HEAD /healthz", "200"}}) {
+        const std::string from =
+            "127.0.0." + std::to_string(++last); // each with a share of its own
+        // Eight times as many as its share, and as it comes again on a busy machine: it ends at the first that is read later.
+        for (int i = 0; i < 128 && counted("seaway_net_reads_delayed_total") == delayed; ++i) {
+            RawPeer peer(port(), 0, from);
+            peer.say(fmt::format("{} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 0\r\n\r\n",
+                                 request));
+            EXPECT_TRUE(peer.header().starts_with(fmt::format("HTTP/1.1 {}", status))) << request;
+        }
+        EXPECT_GT(counted("seaway_net_reads_delayed_total"), delayed) << request;
+        delayed = counted("seaway_net_reads_delayed_total");
+    }
+    for (int i = 0; i < 100; ++i)
+        EXPECT_EQ(ask_http(net->health_port(), "/healthz", "GET").status, 200);
+    EXPECT_EQ(counted("seaway_net_reads_delayed_total"), delayed) << "who watches is not to wait";
+}
+
 TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_the_same) {
     options.health_listen = "127.0.0.1:0";
     options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once
