@@ -5,7 +5,7 @@
 // deviation an axis, taken over solid angle. A rough mirror looks up the level of its own lobe. Texels of
 // a level lie where the sampler of a device expects them, so one look-up serves all levels.
 //
-// Immutable; thread-safe. 47 ms of CPU, which threads share.
+// Immutable; thread-safe. 15 ms of CPU, which threads share.
 #pragma once
 
 #include <array>

@@ -7,7 +7,7 @@
 // (two_stream.h). Radiance is per unit of the sun's illuminance: what
 // is strong or coloured of the sun is multiplied last, so all is linear in it.
 //
-// Immutable and thread-safe. AirTables take 160 ms of CPU, which threads share; they hang on the medium alone.
+// Immutable and thread-safe. AirTables take 100 ms of CPU, which threads share; they hang on the medium alone.
 #pragma once
 
 #include <vector>
