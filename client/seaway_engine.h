@@ -293,7 +293,7 @@ typedef struct seaway_sampling {
 } seaway_sampling;
 
 /* seaway_sample in other ways; NULL how: as that. With a probe a point that moves little from call to call takes two thirds of
- * the time, alone half of it; answers lie as near to the solution as without one, within a fiftieth of the sea's
+ * the time; answers lie as near to the solution as without one, within a fiftieth of the sea's
  * height error along the surface, but are not the same bits. Any jump is allowed. */
 seaway_code seaway_sample_as(const seaway_client* client, const seaway_sampling* how,
                              const seaway_point* points, size_t count, seaway_answer* answers);
