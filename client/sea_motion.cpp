@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "client/local_surface.h"
+#include "sea/basics/constants.h"
 #include "sea/basics/deviations.h"
 
 namespace seaway::client {
@@ -40,26 +41,31 @@ SeaMotion SeaMotion::with(const SeaMotion& other) const {
             std::max(highest_m, other.highest_m)};
 }
 
-SeaMotion motion_of(const SeaState& state, sea::TimeUs time_us) {
+SeaMotion motion_of(const SeaState& state, sea::TimeUs time_us, const sea::WaveLaw& otherwise) {
     double shortest_radpm = 0;
     for (const protocol::CascadeInfo& cascade : state.cascades)
         shortest_radpm = std::max(shortest_radpm, cascade.k_hi_radpm);
-    const sea::Dispersion law = state.wave_law ? state.wave_law->dispersion : sea::Dispersion{};
-    const double gravity_mps2 =
-        law.gravity_mps2 + law.surface_tension_m3ps2 * shortest_radpm * shortest_radpm;
+    const sea::WaveLaw law = state.wave_law.value_or(otherwise);
+    const double gravity_mps2 = law.dispersion.gravity_mps2 + law.dispersion.surface_tension_m3ps2 *
+                                                                  shortest_radpm * shortest_radpm;
+    const double loops_radps =
+        law.loop_period_us > 0 ? sea::two_pi / sea::seconds_from_us(law.loop_period_us) : 0;
     const double rms_m = state.highest_hs_m(time_us) / 4;
     const double rms_bend_per_m = told_curvature_per_m(state) / sea::bound_sigmas;
     const double sideways = largest_choppiness(state).largest();
 
     // Powers 1/6 of mean sixth powers: of frequencies, and of wavenumbers, which are at most the shortest wave's.
     const double turning =
-        std::sqrt(gravity_mps2) * std::pow(state.rms_slope * rms_bend_per_m, 1.0 / 6);
+        std::sqrt(gravity_mps2) * std::pow(state.rms_slope * rms_bend_per_m, 1.0 / 6) +
+        loops_radps * std::cbrt(rms_m);
     const double packed = std::cbrt(shortest_radpm * rms_bend_per_m);
+    // Of a server that tells none it is that of deep water.
+    const double rms_strain = std::max(state.rms_strain, state.rms_slope);
     // What moves water sideways is g k / w times the height, so its rate has at most these, in any depth.
     const double carried_mps =
-        sigmas_carried * sideways * std::sqrt(gravity_mps2 * rms_m * state.rms_strain);
+        sigmas_carried * sideways * std::sqrt(gravity_mps2 * rms_m * rms_strain);
     const double squeezed =
-        1 / std::max(1 - sigmas_carried * sideways * state.rms_strain, 1 / squeezed_most);
+        1 / std::max(1 - sigmas_carried * sideways * rms_strain, 1 / squeezed_most);
     const double passing = turning + squeezed * carried_mps * packed;
     return {.rate_mps = std::sqrt(gravity_mps2 * rms_m * state.rms_slope),
             .third_rate_mps3 = sea::bound_sigmas * passing * passing * passing,

@@ -6,6 +6,7 @@
 // w^2 <= g k, so its mean square over all waves is at most g^3 times the rms of slopes times that of curvatures (Cauchy and
 // Schwarz), of which bound_sigmas count. What stands still sees waves pass that others carry along and squeeze: both are taken at
 // sigmas_carried deviations, since waves that are carried faster still do not have bound_sigmas of their own at the same time and place.
+// In a sea that repeats each wave turns by up to a turn a period more.
 // However far apart they are, no height is above that of the sea.
 //
 // Stylised waves (sea/waves/sine_waves.h) may run faster than waves of water do: of those it is a guess.
@@ -30,8 +31,8 @@ struct SeaMotion {
     SeaMotion with(const SeaMotion& other) const;
 };
 
-/// From this time on.
-SeaMotion motion_of(const SeaState& state, sea::TimeUs time_us);
+/// From this time on. `otherwise`: of a state that tells no law of its waves.
+SeaMotion motion_of(const SeaState& state, sea::TimeUs time_us, const sea::WaveLaw& otherwise = {});
 
 /// Heights are looked at so many moments before, and as many after, at most.
 inline constexpr int looks_each_way_max = 4;

@@ -33,30 +33,31 @@ void close_who_is_furthest_behind(Core& core) {
 
 } // namespace
 
-void Deliveries::add(Delivery one) {
-    waiting_.push_back(std::move(one));
+void Deliveries::add_to(Line& line, Delivery one) {
+    line.waiting.push_back(std::move(one));
     core_.turns.first([this] { turn(); });
 }
 
 void Deliveries::turn() {
-    if (waiting_.empty())
+    if (!any())
         return;
     const Undo asks_again(
         [this] { // by an exception, too, which is of one session: the others have theirs all the same
             try {
-                if (!waiting_.empty())
+                if (any())
                     core_.turns.first([this] { turn(); });
             } catch (const std::bad_alloc&) { // Turns has it
             }
         });
-    const Delivery delivered = waiting_.front();
+    Line& line = seas_.waiting.empty() ? keyframes_ : seas_;
+    const Delivery delivered = line.waiting.front();
     const int threads = core_.senders.threads();
     bool all = false;
     core_.senders.together([&] {
-        auto next = core_.sessions.upper_bound(last_);
+        auto next = core_.sessions.upper_bound(line.last);
         for (int i = 1; next != core_.sessions.end(); ++i) {
             Session& session = *next->second; // which may end, and leave the map
-            last_ = (next++)->first;
+            line.last = (next++)->first;
             if (delivered.keyframe != nullptr)
                 session.deliver(delivered);
             else
@@ -67,8 +68,8 @@ void Deliveries::turn() {
         all = next == core_.sessions.end();
     });
     if (all) {
-        waiting_.pop_front();
-        last_ = 0;
+        line.waiting.pop_front();
+        line.last = 0;
         close_who_is_furthest_behind(core_);
     }
 }

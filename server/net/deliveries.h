@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Deliveries: keyframes and seas on their way to the sessions, one after the other, some sessions in each of the io
-// thread's turns. Of the io thread alone.
+// thread's turns. Seas go first, as clients have to know them before they begin. Of the io thread alone.
 #pragma once
 
 #include <deque>
@@ -28,17 +28,24 @@ class Deliveries {
 
     explicit Deliveries(Core& core) : core_(core) {}
 
-    /// To the sessions that are there when its turn comes. Those of what was added before come first.
-    void add(Delivery one);
+    /// To the sessions that are there when its turn comes. Keyframes that were added before come first.
+    void add(Delivery keyframe) { add_to(keyframes_, std::move(keyframe)); }
     /// A sea that is near. What is added later comes to each session behind it, and a keyframe of it brings it along at the latest.
-    void announce(protocol::SharedBytes sea_state) { add({{}, {}, std::move(sea_state)}); }
+    void announce(protocol::SharedBytes sea_state) {
+        add_to(seas_, {{}, {}, std::move(sea_state)});
+    }
 
   private:
+    struct Line {
+        std::deque<Delivery> waiting;
+        SessionId last = 0; ///< that has been sent the first of them
+    };
+    void add_to(Line& line, Delivery one);
     void turn();
+    bool any() const { return !seas_.waiting.empty() || !keyframes_.waiting.empty(); }
 
     Core& core_;
-    std::deque<Delivery> waiting_;
-    SessionId last_ = 0; ///< that has been sent the first of them
+    Line seas_, keyframes_;
 };
 
 } // namespace seaway::server

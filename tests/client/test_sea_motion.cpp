@@ -29,10 +29,12 @@ constexpr const char* chop_grids = "[[cascade]]\nlength_m = 61.0\nsize = 64\n"
 
 class MovingSea {
   public:
-    MovingSea(const std::string& waves, const std::string& grids)
-        : scene_(*sea::parse_scene("[sea]\nseed = 5\nchoppiness = 1.0\n[[sea.system]]\n"
-                                   "type = \"swell\"\nspectrum = \"jonswap\"\nfrom_deg = 270\n"
-                                   "spreading = \"cos2s\"\nspreading_exponent = 8\n" +
+    MovingSea(const std::string& waves, const std::string& grids,
+              const std::string& more = "choppiness = 1.0\n")
+        : scene_(*sea::parse_scene("[sea]\nseed = 5\n" + more +
+                                       "[[sea.system]]\n"
+                                       "type = \"swell\"\nspectrum = \"jonswap\"\nfrom_deg = 270\n"
+                                       "spreading = \"cos2s\"\nspreading_exponent = 8\n" +
                                        waves + grids,
                                    "a scene")),
           sum_(std::make_shared<const sea::Realization>(*sea::realize(scene_))) {
@@ -46,7 +48,17 @@ class MovingSea {
         state_.rms_strain = budget.rms_strain;
         state_.curvature_per_m = budget.curvature_per_m;
         state_.realised.hs_m = sea::summarize(scene_.sea, sum_.sea()).realised.significant_height_m;
+        state_.wave_law = sea::wave_law(scene_.sea, sum_.sea());
         options_ = {sum_.sea().choppiness, 1e-6, sea::fold_search(budget)};
+    }
+    /// Of the height where nothing carries waves along: the root of the sum of w^6 over all of them.
+    double rms_third_rate_mps3() const {
+        double sum = 0;
+        for (const sea::CascadeModes& modes : sum_.sea().cascades)
+            for (std::size_t i = 0; i < modes.h0.size(); ++i)
+                sum +=
+                    2 * std::norm(modes.h0[i]) * std::pow(sea::omega_from_rate(modes.rate[i]), 6);
+        return std::sqrt(sum);
     }
     const protocol::SeaStateValues& state() const { return state_; }
 
@@ -152,6 +164,23 @@ TEST(SeaMotion, takes_three_looks_where_a_clock_is_off_by_little_and_never_more_
         EXPECT_EQ(looks_each_way(motion, 0.02), 1);
         EXPECT_GT(looks_each_way(motion, 0.5), 1);
         EXPECT_EQ(looks_each_way(motion, 100), looks_each_way_max);
+    }
+}
+
+// Naive: w^2 = g k, where waves are rounded to whole turns of a loop, and long ones to one of them, and g is not the earth's.
+TEST(SeaMotion, counts_how_fast_waves_turn_where_a_sea_repeats_and_under_any_gravity) {
+    for (const std::string more : {"loop_period_s = 20\n", "loop_period_s = 5\n",
+                                   "loop_period_s = 1\n", "gravity_mps2 = 40\n"}) {
+        const MovingSea sea("significant_height_m = 3.0\npeak_period_s = 14.0\n", gale_grids,
+                            "choppiness = 0\n" + more);
+        const double five_m = sea::bound_sigmas * sea.rms_third_rate_mps3();
+        const SeaMotion motion = motion_of(sea.state(), 0);
+        EXPECT_GE(motion.third_rate_mps3, five_m) << more;
+        protocol::SeaStateValues untold = sea.state(); // as of a sea that glides
+        untold.wave_law.reset();
+        EXPECT_LT(motion_of(untold, 0).third_rate_mps3, motion.third_rate_mps3) << more;
+        EXPECT_EQ(motion_of(untold, 0, *sea.state().wave_law).third_rate_mps3,
+                  motion.third_rate_mps3);
     }
 }
 
