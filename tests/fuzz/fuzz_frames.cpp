@@ -21,8 +21,10 @@ std::vector<std::uint8_t> read_in_pieces(std::span<const std::uint8_t> bytes, st
     while (!bytes.empty()) {
         std::span<const std::uint8_t> part = bytes.first(std::min(piece, bytes.size()));
         bytes = bytes.subspan(part.size());
-        while (true) {
+        for (bool promised = false;; promised = FrameReader::gives_message(part)) {
             const auto next = reader.next(part);
+            if (promised && next && (!*next || (*next)->kind != FrameReader::Kind::message))
+                std::abort(); // answers would be held back for it
             if (!next) {
                 read.push_back(next.error().is(BadFrame::too_large) ? 1 : 2);
                 return read;
