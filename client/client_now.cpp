@@ -90,18 +90,13 @@ TimeUs Client::now_error_us() const {
 }
 
 SeaMotion Client::motion_within(TimeSpan span, const Looking& looking) const {
+    const std::scoped_lock lock(mutex_);
+    const sea::WaveLaw fastest = fastest_law(sea_states_);
     SeaMotion motion;
-    sea::WaveLaw
-        fastest; // of the seas that are known: one that glides tells none, and is on its way between two of them
     const auto add = [&](const SeaState& state, TimeUs time_us) {
         if (felt_cascades(state, looking) != 0)
             motion = motion.with(motion_of(state, time_us, fastest));
     };
-    const std::scoped_lock lock(mutex_);
-    for (const SeaStatePtr& state : sea_states_)
-        if (state->wave_law &&
-            state->wave_law->dispersion.gravity_mps2 > fastest.dispersion.gravity_mps2)
-            fastest = *state->wave_law;
     add(*sea_state_held(span.from_us), span.from_us);
     for (const SeaStatePtr& state : sea_states_)
         if (state->start_time_us > span.from_us && state->start_time_us < span.until_us)

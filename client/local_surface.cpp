@@ -75,12 +75,17 @@ sea::Choppiness largest_choppiness(const SeaState& state) {
     return largest;
 }
 
-double told_curvature_per_m(const SeaState& state) {
+double shortest_wave_radpm(const SeaState& state) {
     double shortest_radpm = 0;
     for (const protocol::CascadeInfo& cascade : state.cascades)
         shortest_radpm = std::max(shortest_radpm, cascade.k_hi_radpm);
-    return state.curvature_per_m > 0 ? state.curvature_per_m
-                                     : sea::bound_sigmas * state.rms_slope * shortest_radpm;
+    return shortest_radpm;
+}
+
+double told_curvature_per_m(const SeaState& state) {
+    return state.curvature_per_m > 0
+               ? state.curvature_per_m
+               : sea::bound_sigmas * state.rms_slope * shortest_wave_radpm(state);
 }
 
 void add_codec(sea::CascadeLoss& loss, const KeyframePair& pair) {

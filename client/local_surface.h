@@ -58,6 +58,7 @@ void add_codec(sea::CascadeLoss& loss, const KeyframePair& pair);
 
 /// The largest on the way of a sea that glides.
 sea::Choppiness largest_choppiness(const SeaState& state);
+double shortest_wave_radpm(const SeaState& state);
 /// Of a server that does not say: as if its steepest waves were its shortest.
 double told_curvature_per_m(const SeaState& state);
 

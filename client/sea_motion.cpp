@@ -41,10 +41,18 @@ SeaMotion SeaMotion::with(const SeaMotion& other) const {
             std::max(highest_m, other.highest_m)};
 }
 
+sea::WaveLaw fastest_law(std::span<const SeaStatePtr> states) {
+    const SeaState* fastest = nullptr;
+    for (const SeaStatePtr& state : states)
+        if (state->wave_law &&
+            (fastest == nullptr ||
+             state->wave_law->dispersion.gravity_mps2 > fastest->wave_law->dispersion.gravity_mps2))
+            fastest = state.get();
+    return fastest != nullptr ? *fastest->wave_law : sea::WaveLaw{};
+}
+
 SeaMotion motion_of(const SeaState& state, sea::TimeUs time_us, const sea::WaveLaw& otherwise) {
-    double shortest_radpm = 0;
-    for (const protocol::CascadeInfo& cascade : state.cascades)
-        shortest_radpm = std::max(shortest_radpm, cascade.k_hi_radpm);
+    const double shortest_radpm = shortest_wave_radpm(state);
     const sea::WaveLaw law = state.wave_law.value_or(otherwise);
     const double gravity_mps2 = law.dispersion.gravity_mps2 + law.dispersion.surface_tension_m3ps2 *
                                                                   shortest_radpm * shortest_radpm;

@@ -31,6 +31,9 @@ struct SeaMotion {
     SeaMotion with(const SeaMotion& other) const;
 };
 
+/// Of the seas that tell one, that of the strongest gravity; of none the earth's. A sea that glides tells none: its waves are on
+/// their way between two that do.
+sea::WaveLaw fastest_law(std::span<const SeaStatePtr> states);
 /// From this time on. `otherwise`: of a state that tells no law of its waves.
 SeaMotion motion_of(const SeaState& state, sea::TimeUs time_us, const sea::WaveLaw& otherwise = {});
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -182,6 +184,22 @@ TEST(SeaMotion, counts_how_fast_waves_turn_where_a_sea_repeats_and_under_any_gra
         EXPECT_EQ(motion_of(untold, 0, *sea.state().wave_law).third_rate_mps3,
                   motion.third_rate_mps3);
     }
+}
+
+// Naive: the earth's gravity and no loop, unless a law is of more than the earth's.
+TEST(SeaMotion, of_a_sea_that_glides_has_the_law_of_those_that_tell_one) {
+    const auto telling = [](std::optional<sea::WaveLaw> law) {
+        return std::make_shared<const SeaState>(SeaState{.wave_law = law});
+    };
+    const sea::WaveLaw weak{{.gravity_mps2 = 3.7}, 5'000'000}, earths{{}, 7'000'000},
+        strong{{.gravity_mps2 = 40}, 0};
+    const SeaStatePtr glides = telling({});
+    EXPECT_EQ(fastest_law({}), sea::WaveLaw{});
+    EXPECT_EQ(fastest_law(std::vector{glides}), sea::WaveLaw{});
+    EXPECT_EQ(fastest_law(std::vector{telling(weak), glides}), weak);
+    EXPECT_EQ(fastest_law(std::vector{glides, telling(earths)}), earths);
+    EXPECT_EQ(fastest_law(std::vector{telling(earths), glides, telling(strong), telling(weak)}),
+              strong);
 }
 
 TEST(SeaMotion, of_a_parabola_finds_the_crest_between_moments) {
