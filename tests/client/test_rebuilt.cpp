@@ -223,16 +223,19 @@ std::vector<sea::QueryPoint> line_of(int count, double from_m, double apart_m,
 // Naive: to first order, which of many waves leaves room for the rest, and of one none: its height, its slope and how far it moves
 // things are off together.
 TEST(Received, one_wave_that_was_rounded_stays_inside_its_bound_however_steep) {
-    for (const auto& [amplitude_m, choppiness, off_m] :
-         {std::tuple(1.2, 1.9, 0.05), {1.2, 1.0, 0.3}, {0.6, 0.0, 0.1}, {1.5, 1.2, 0.15}}) {
+    struct Case {
+        double amplitude_m, choppiness, off_m;
+    };
+    for (const Case& c :
+         {Case{1.2, 1.9, 0.05}, {1.2, 1.0, 0.3}, {0.6, 0.0, 0.1}, {1.5, 1.2, 0.15}}) {
+        const double amplitude_m = c.amplitude_m, choppiness = c.choppiness, off_m = c.off_m;
         const double k = sea::two_pi / 20;
         // Off by the most that it may be, in any phase.
         const auto sea_of = [&](double wrong_m, double phase_rad) {
             sea::CascadeModes modes = tests::calm_cascade(100.0, 64);
             tests::add_wave(modes, 5, 0, amplitude_m, 0.3);
             tests::add_wave(modes, 5, 0, wrong_m, phase_rad);
-            const double sideways = choppiness;
-            return tests::make_sea({modes}, {sideways, sideways});
+            return tests::make_sea({modes}, {choppiness, choppiness});
         };
         protocol::SeaStateValues state = announced();
         state.cascades.clear();
@@ -280,8 +283,9 @@ TEST(Received, two_waves_that_were_rounded_stay_inside_their_bound_where_they_sq
         const double strain = k_radpm[0] * off_m[0] + k_radpm[1] * off_m[1];
         double worst = 0;
         for (int turn = 0; turn < 144; ++turn) {
+            const int other_turn = turn / 12;
             const RebuiltSea rounded(
-                sea_of(off_m, turn % 12 * sea::two_pi / 12, turn / 12 * sea::two_pi / 12), state,
+                sea_of(off_m, turn % 12 * sea::two_pi / 12, other_turn * sea::two_pi / 12), state,
                 {all_m, all_m, sea::fold_sigmas / sea::bound_sigmas * strain});
             // Around where crests meet.
             worst = std::max(worst, worst_share(truth, rounded, line_of(150, -3, 0.04, 0)));
