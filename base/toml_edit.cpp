@@ -48,6 +48,14 @@ toml::node* child_of(toml::node& node, const std::string& segment) {
     return array && fault == std::errc{} && read_to == end ? array->get(index) : nullptr;
 }
 
+/// Null where a path leads nowhere.
+toml::table* table_at(toml::table& root, std::span<const std::string> segments) {
+    toml::node* node = &root;
+    for (std::size_t i = 0; node && i < segments.size(); ++i)
+        node = child_of(*node, segments[i]);
+    return node ? node->as_table() : nullptr;
+}
+
 Result<void> set(toml::table& root, const TomlAssignment& assignment) {
     const auto wrong = [&assignment](const std::string& why) {
         return Error{fmt::format("{} = {}: {}", assignment.path, assignment.value, why)};
@@ -76,10 +84,7 @@ Result<void> set(toml::table& root, const TomlAssignment& assignment) {
 
 void erase(toml::table& root, const std::string& path) {
     const std::vector<std::string> segments = segments_of(path);
-    toml::node* node = &root;
-    for (std::size_t i = 0; node && i + 1 < segments.size(); ++i)
-        node = child_of(*node, segments[i]);
-    if (toml::table* table = node ? node->as_table() : nullptr)
+    if (toml::table* table = table_at(root, std::span(segments).first(segments.size() - 1)))
         table->erase(segments.back());
 }
 
@@ -111,6 +116,18 @@ Result<std::string> with_toml_values(std::string_view text, const std::string& n
     out << toml::toml_formatter{root, toml::toml_formatter::default_flags &
                                           ~toml::format_flags::allow_literal_strings};
     return out.str();
+}
+
+std::vector<std::string> toml_keys(std::string_view text, std::string_view path) {
+    std::vector<std::string> keys;
+    const Result<TomlDocument> document = TomlDocument::parse(text, "the text");
+    if (!document)
+        return keys;
+    toml::table root = document->table();
+    if (const toml::table* table = table_at(root, segments_of(path)))
+        for (const auto& [key, value] : *table)
+            keys.emplace_back(key.str());
+    return keys;
 }
 
 } // namespace seaway

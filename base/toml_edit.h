@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.h"
 
@@ -26,5 +27,8 @@ Result<TomlAssignment> parse_toml_assignment(std::string_view text);
 Result<std::string> with_toml_values(std::string_view text, const std::string& name,
                                      std::span<const TomlAssignment> values,
                                      std::span<const std::string> without = {});
+
+/// Keys of the table at this path; none where there is no such table.
+std::vector<std::string> toml_keys(std::string_view text, std::string_view path);
 
 } // namespace seaway

@@ -146,7 +146,7 @@ seaway_code seaway_get_cascade(const seaway_client* client, int64_t time_us, uin
         seaway_cascade to{};
         to.grid = static_cast<uint32_t>(from.size);
         to.length_m = from.length_m;
-        to.longest_wave_m = wave_m(from.k_lo_radpm);
+        to.longest_wave_m = wave_m(sea->longest_radpm(index));
         to.shortest_wave_m = wave_m(from.k_hi_radpm);
         to.interval_us = from.interval_us;
         to.choppiness_x = sea->choppiness_x_at(time_us);

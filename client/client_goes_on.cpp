@@ -297,7 +297,7 @@ std::string Client::why_another(const Joining& joining, const SeaState& state) c
         return "its cascades are others";
     if (found != sea_states_.end() &&
         (like.start_time_us != state.start_time_us || !same_waves(like, state) ||
-         like.realised.hs_m != state.realised.hs_m))
+         std::abs(like.realised.hs_m - state.realised.hs_m) > 2 * sea::probe_error_m))
         return fmt::format("its waves of epoch {} are others", state.epoch);
     // A journal may have been put back: the first sea that a session is told of is the one that runs, and with it it is told of
     // the pace that holds and those to come.

@@ -87,7 +87,7 @@ std::optional<Vec2> place_of(const sea::QueryPoint& point, const sea::InverseOpt
 std::uint32_t felt_cascades(const SeaState& state, const Looking& looking) {
     std::uint32_t felt = 0;
     for (std::size_t c = 0; c < state.cascades.size(); ++c)
-        if (looking.feels(c, state.cascades[c].k_lo_radpm))
+        if (looking.feels(c, state.longest_radpm(c)))
             felt |= 1u << c;
     return felt;
 }

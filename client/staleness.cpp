@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/local_surface.h"
 #include "sea/basics/glide.h"
 #include "sea/surface/budget/error_budget.h"
 
@@ -30,7 +31,7 @@ sea::TimeUs told_until_us(const SeaState& state, sea::TimeUs heard_us) {
 double stale_error_m(const SeaState& state, sea::TimeUs heard_us, sea::TimeUs time_us) {
     const double difference_m =
         difference_share(state, heard_us, time_us) * state.highest_hs_m(heard_us) / 4;
-    const double moved = std::max(state.choppiness_x, state.choppiness_y) * state.rms_slope;
+    const double moved = largest_choppiness(state).largest() * state.rms_slope;
     return sea::bound_sigmas * difference_m * (1 + moved);
 }
 

@@ -65,6 +65,10 @@ inline constexpr double spectrum_bytes_per_s = 1900;
 
 /// Chunks of one sea.
 inline constexpr std::uint32_t spectrum_chunks_max = 4096;
+/// What may be missed of waves of which none has come yet.
+inline constexpr float spectrum_left_m_max = 1e6f;
+inline constexpr float spectrum_left_displacement_m_max = 1e9f;
+inline constexpr float spectrum_left_slope_max = 1e6f;
 
 /// Spectra at once: of the sea that runs, of the glides that it took over from and the sea that they left, ten together, and of
 /// those that were announced.

@@ -294,9 +294,10 @@ Result<void> check(const wire::Spectrum& spectrum) {
 Result<void> check(const wire::SpectrumChunk& chunk) {
     return all_of(
         in_range<std::uint32_t>("chunk", chunk.chunk(), 0, limits::spectrum_chunks_max - 1),
-        in_range("left_m", chunk.left_m(), 0.0f, 1e6f),
-        in_range("left_displacement_m", chunk.left_displacement_m(), 0.0f, 1e9f),
-        in_range("left_slope", chunk.left_slope(), 0.0f, 1e6f),
+        in_range("left_m", chunk.left_m(), 0.0f, limits::spectrum_left_m_max),
+        in_range("left_displacement_m", chunk.left_displacement_m(), 0.0f,
+                 limits::spectrum_left_displacement_m_max),
+        in_range("left_slope", chunk.left_slope(), 0.0f, limits::spectrum_left_slope_max),
         in_range<std::size_t>("count of payload bytes", count(chunk.payload()), 1,
                               limits::spectrum_chunk_bytes_max));
 }

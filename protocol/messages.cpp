@@ -7,6 +7,7 @@
 
 #include "base/bound_to_float.h"
 #include "protocol/limits.h"
+#include "protocol/list_alignment.h"
 
 namespace seaway::protocol {
 namespace {
@@ -35,55 +36,6 @@ Offset<flatbuffers::Vector<T>> vector_of(FlatBufferBuilder& built, std::span<con
 
 Offset<flatbuffers::String> string_of(FlatBufferBuilder& built, std::string_view text) {
     return built.CreateString(text.data(), text.size());
-}
-
-template <class Vector>
-bool aligned(const Vector* list) {
-    return list == nullptr || list->size() == 0 ||
-           reinterpret_cast<std::uintptr_t>(list->Data()) % alignof(std::uint64_t) == 0;
-}
-
-/// Lists of 8-byte values: of these the verifier proves the alignment of the count alone, and
-/// reading them elsewhere is undefined.
-bool lists_aligned(const wire::Message& message) {
-    using wire::Body;
-    switch (message.body_type()) { // no default: a new kind must be thought of
-    case Body::Ack:
-        return aligned(message.body_as_Ack()->also());
-    case Body::Fetch:
-        return aligned(message.body_as_Fetch()->times_us());
-    case Body::Query:
-        return aligned(message.body_as_Query()->points()) &&
-               aligned(message.body_as_Query()->z_m());
-    case Body::SeaState:
-        return aligned(message.body_as_SeaState()->cascades()) &&
-               aligned(message.body_as_SeaState()->probes());
-    case Body::QueryReply:
-        return aligned(message.body_as_QueryReply()->answers());
-    case Body::NONE:
-    case Body::Hello:
-    case Body::Subscribe:
-    case Body::Unsubscribe:
-    case Body::Ping:
-    case Body::Change:
-    case Body::Administer:
-    case Body::Changed:
-    case Body::Administered:
-    case Body::Pace:
-    case Body::Welcome:
-    case Body::Subscribed:
-    case Body::Tile:
-    case Body::FetchDone:
-    case Body::Pong:
-    case Body::Refused:
-    case Body::GoAway:
-    case Body::SubscribeSpectrum:
-    case Body::SpectrumSubscribed:
-    case Body::Spectrum:
-    case Body::SpectrumChunk:
-        break;
-    }
-    return true;
 }
 
 } // namespace

@@ -193,6 +193,8 @@ struct GlideValues {
     std::optional<SeaNumbers> realised = {}; ///< none: a server that does not say
     /// Of the sea that it leads to, from end_us on. Empty from a server that sends none.
     std::vector<sea::Probe> leads_to = {};
+    /// Of each cascade: of the longest wave that either sea has. Empty from a server that does not say.
+    std::vector<double> k_lo_radpm = {};
 };
 
 /// SeaState as a value.
@@ -250,6 +252,11 @@ struct SeaStateValues {
         return std::max(realised_at(time_us).hs_m, realised.hs_m);
     }
     double glided(double GlideValues::*from, double to, sea::TimeUs time_us) const;
+    /// Of the longest wave that a cascade has at any time of this epoch: who is too long to feel that one feels none of them.
+    double longest_radpm(std::size_t cascade) const {
+        return glide && !glide->k_lo_radpm.empty() ? glide->k_lo_radpm[cascade]
+                                                   : cascades[cascade].k_lo_radpm;
+    }
 };
 Bytes sea_state(const SeaStateValues& state);
 /// The inverse; `state` must have passed check().

@@ -64,6 +64,8 @@ std::optional<GlideValues> glide_of(const wire::SeaState& state) {
                        .foam_mean = glide->foam_mean(),
                        .foam_threshold = glide->foam_threshold(),
                        .leads_to = from_wire(state.leads_to())};
+    if (const auto* longest = state.glide_k_lo_radpm())
+        values.k_lo_radpm.assign(longest->begin(), longest->end());
     if (state.realised_before() != nullptr)
         values.realised = from_wire(state.realised_before());
     return values;
@@ -142,6 +144,8 @@ Bytes sea_state(const SeaStateValues& state) {
     const auto probe_list = built.CreateVectorOfStructs(to_wire(state.probes));
     const auto leads_to = built.CreateVectorOfStructs(
         to_wire(state.glide ? state.glide->leads_to : std::vector<sea::Probe>{}));
+    const auto glide_k_lo =
+        built.CreateVector(state.glide ? state.glide->k_lo_radpm : std::vector<double>{});
     const auto loss_list = built.CreateVectorOfStructs(losses);
     const auto cascade_list = built.CreateVectorOfStructs(cascades);
     const auto scene = built.CreateString(state.scene);
@@ -177,8 +181,8 @@ Bytes sea_state(const SeaStateValues& state) {
         state.single_precision_m, state.single_precision_displacement_m, state.depth_m,
         static_cast<std::uint8_t>(state.water.type), bottom(0), bottom(1), bottom(2), probe_list,
         state.probe_error_m, glide ? &*glide : nullptr, law ? &*law : nullptr,
-        before ? &*before : nullptr, state.curvature_per_m, stylised_bits(state.cascades),
-        leads_to);
+        before ? &*before : nullptr, state.curvature_per_m, stylised_bits(state.cascades), leads_to,
+        glide_k_lo);
     built.Finish(wire::CreateMessage(built, wire::Body::SeaState, body.Union()),
                  wire::MessageIdentifier());
     return {built.GetBufferPointer(), built.GetBufferPointer() + built.GetSize()};

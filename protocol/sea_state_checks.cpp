@@ -53,6 +53,18 @@ Result<void> check_losses(const wire::SeaState& state) {
     return {};
 }
 
+/// None, or one a cascade.
+Result<void> check_longest(const wire::SeaState& state) {
+    const auto* longest = state.glide_k_lo_radpm();
+    if (count(longest) == 0)
+        return {};
+    SEAWAY_TRY(in_range<std::size_t>("count of glide_k_lo_radpm", count(longest),
+                                     count(state.cascades()), count(state.cascades())));
+    for (const double k_radpm : *longest)
+        SEAWAY_TRY(in_range("glide_k_lo_radpm", k_radpm, 0.0, 1e9));
+    return {};
+}
+
 /// Where a client evaluates a sea must be where seas are, and what it is held against must be numbers.
 Result<void> check_probes(const std::string& name,
                           const flatbuffers::Vector<const wire::Probe*>* probes) {
@@ -113,7 +125,7 @@ Result<void> check(const wire::SeaState& state) {
         in_range("bottom_blue", state.bottom_blue(), 0.0f, 1.0f), check_losses(state),
         in_range("probe_error_m", state.probe_error_m(), 0.0, 1e6),
         check_probes("probes", state.probes()), check_probes("leads_to", state.leads_to()),
-        check_warnings(state),
+        check_longest(state), check_warnings(state),
         state.wave_law() ? check_law("wave_law.", *state.wave_law()) : Result<void>());
     if (!fine || state.cascades() == nullptr)
         return fine;

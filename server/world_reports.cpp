@@ -168,13 +168,16 @@ protocol::SeaStateValues sea_state_values(const RunningSea& sea, const EpochWind
     const sea::FoamGlide* foam = sea.glide ? sea.glide->foam.get() : nullptr;
     if (foam)
         state.foam_threshold = foam->last_threshold();
-    if (sea.glide)
+    if (sea.glide) {
         state.glide = protocol::GlideValues{.end_us = sea.glide->change.end_us(),
                                             .choppiness_x = sea.glide->choppiness.x,
                                             .choppiness_y = sea.glide->choppiness.y,
                                             .foam_mean = sea.glide->foam_mean,
                                             .foam_threshold = foam ? foam->first_threshold() : 0,
                                             .realised = numbers(sea.glide->realised)};
+        for (std::size_t c = 0; c < state.cascades.size(); ++c)
+            state.glide->k_lo_radpm.push_back(sea.glide->change.longest_radpm(c));
+    }
     state.scene =
         sea::to_toml(sea.foam_law ? sea::with_threshold(sea.scene, *sea.foam_law) : sea.scene);
     state.warnings = warnings;

@@ -2,6 +2,7 @@
 #include "client/link/connection.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,19 @@ std::string text(const flatbuffers::String* string) {
     return string ? string->str() : std::string();
 }
 
+/// Of two servers, or of one before and after its libraries were renewed, each is off by what it says.
+bool same_probes(const std::vector<sea::Probe>& a, const std::vector<sea::Probe>& b) {
+    const auto near = [](double one, double other) {
+        return std::abs(one - other) <= 2 * sea::probe_error_m;
+    };
+    return std::ranges::equal(a, b, [&](const sea::Probe& one, const sea::Probe& other) {
+        return one.x_m == other.x_m && one.y_m == other.y_m && one.time_us == other.time_us &&
+               near(one.height_m, other.height_m) &&
+               near(one.displacement_x_m, other.displacement_x_m) &&
+               near(one.displacement_y_m, other.displacement_y_m);
+    });
+}
+
 } // namespace
 
 bool same_tiles(const SeaState& a, const SeaState& b) {
@@ -26,11 +40,11 @@ bool same_tiles(const SeaState& a, const SeaState& b) {
 }
 
 bool same_waves(const SeaState& a, const SeaState& b) {
-    if (a.probes != b.probes || a.glide.has_value() != b.glide.has_value())
+    if (!same_probes(a.probes, b.probes) || a.glide.has_value() != b.glide.has_value())
         return false;
     return !a.glide || (a.glide->end_us == b.glide->end_us &&
                         (a.glide->leads_to.empty() || b.glide->leads_to.empty() ||
-                         a.glide->leads_to == b.glide->leads_to));
+                         same_probes(a.glide->leads_to, b.glide->leads_to)));
 }
 
 /// The same wish of a client that brings maps to their own grids.

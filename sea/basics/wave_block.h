@@ -45,7 +45,7 @@ struct SpectrumSteps {
 /// where all add up.
 struct SpectrumLeft {
     double height_m = 0;
-    double displacement_m = 0; ///< of the component of D that it is more of
+    double displacement_m = 0; ///< along the line where it is most
     double slope = 0;          ///< likewise of the slope
 };
 

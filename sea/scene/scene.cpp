@@ -139,20 +139,26 @@ void read_accuracy(TomlTable& root, const std::string& base_dir, Scene& scene) {
 }
 
 void read_weather(TomlTable& root, Scene& scene) {
-    double free_from_s = -1e10;
+    constexpr double latest_s = 1e10;
+    double free_from_s = -latest_s;
     for (TomlTable& table : root.tables("weather", scene_weather_max)) {
         WeatherChange change;
         table.require("at_s");
         table.require("set");
-        table.number("at_s", change.at_s, {free_from_s, 1e10});
+        if (free_from_s > latest_s)
+            table.fail("at_s", fmt::format("the row before ends at {:g} s, and none may begin "
+                                           "after {:g}",
+                                           free_from_s, latest_s));
+        else
+            table.number("at_s", change.at_s, {free_from_s, latest_s});
         table.number("over_s", change.over_s,
                      {seconds_from_us(glide_us_min), seconds_from_us(glide_us_max)});
         table.assignments("set", change.set);
         change.line = table.line_of("set");
         table.finish();
         // Of doubles 2.3 + 11.3 is more than 13.6.
-        free_from_s = std::min(
-            seconds_from_us(us_from_seconds(change.at_s) + us_from_seconds(change.over_s)), 1e10);
+        free_from_s =
+            seconds_from_us(us_from_seconds(change.at_s) + us_from_seconds(change.over_s));
         scene.weather.push_back(std::move(change));
     }
 }

@@ -17,10 +17,6 @@ namespace {
 
 constexpr int noise_octaves_max = 16;
 
-constexpr std::array ramp_keys{
-    "count",    "amplitude_m", "wavelength_m",       "amplitude_ratio",      "wavenumber_ratio",
-    "from_deg", "speed_ratio", "direction_step_deg", "direction_spread_deg", "normalise"};
-
 struct Column {
     const char* name;
     Range range;
@@ -58,7 +54,7 @@ Result<std::vector<SineByHand>> parse_list(const std::string& csv, const std::st
 }
 
 void read_list(TomlTable& table, const std::string& base_dir, SineRamps& ramps) {
-    for (const char* key : ramp_keys)
+    for (const std::string_view key : sine_ramp_keys)
         table.refuse(key, "belongs to ramps; a list of waves (file or data) stands in their place");
     const char* key = table.has("data") ? "data" : "file";
     if (ramps.kind == SineKind::noise) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of the scene reader that knows systems with tables of data: measured seas, explicit and
-// stylised waves; and what all systems share. Used by the scene reader only.
+// stylised waves; and what all systems share. Used by what reads and changes scenes only.
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 
 #include "base/toml_document.h"
 #include "sea/waves/sea_state.h"
@@ -19,6 +21,11 @@ MeasuredSea read_measured(TomlTable& table, const std::string& base_dir);
 ExplicitModes read_modes(TomlTable& table, const std::string& base_dir);
 /// `sea` as far as it is read: these waves will be its next system.
 SineRamps read_sines(TomlTable& table, const std::string& base_dir, const SeaState& sea);
+
+/// Keys of ramps, in whose place a list of waves stands. The first stands in every effective text of ramps.
+inline constexpr std::array<std::string_view, 10> sine_ramp_keys{
+    "count",    "amplitude_m", "wavelength_m",       "amplitude_ratio",      "wavenumber_ratio",
+    "from_deg", "speed_ratio", "direction_step_deg", "direction_spread_deg", "normalise"};
 
 /// The table of a system: the text under `data`, or the contents of `file`, which becomes `name`.
 /// Empty on error.

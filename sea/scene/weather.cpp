@@ -11,30 +11,52 @@
 
 #include <fmt/format.h>
 
+#include "sea/scene/scene_tables.h"
+
 namespace seaway::sea {
 
 namespace {
 
-/// As people say it: the systems of the sea.
-std::string whole_path(const std::string& path) {
+constexpr std::string_view systems_path = "sea.system.";
+
+/// As people say it: the systems of the sea. A preset of the whole sea is that of its one system, which it became when the
+/// scene was read.
+std::string whole_path(const std::string& path, std::size_t systems) {
     constexpr std::string_view said = "systems.";
-    return path.starts_with(said) ? "sea.system." + path.substr(said.size()) : path;
+    if (systems == 1 && (path == "sea.preset" || path == "sea.from_deg"))
+        return "sea.system.0." + path.substr(path.rfind('.') + 1);
+    return path.starts_with(said) ? std::string(systems_path) + path.substr(said.size()) : path;
 }
 
 /// Of two keys of a system that exclude each other, the one that is set stands in place of the other.
 constexpr std::pair<std::string_view, std::string_view> exclusive_keys[] = {
-    {"wind_speed_10m_mps", "wind_speed_19m5_mps"}, {"phillips_constant", "significant_height_m"}};
+    {"wind_speed_10m_mps", "wind_speed_19m5_mps"},
+    {"phillips_constant", "significant_height_m"},
+    {"file", "data"}};
 
-std::vector<std::string> keys_replaced_by(const std::string& path) {
-    constexpr std::string_view systems = "sea.system.";
-    const std::size_t at = path.rfind('.') + 1;
+/// Keys of the effective text in whose place stands what is set at this path.
+std::vector<std::string> keys_replaced_by(const std::string& path, std::string_view text) {
+    if (path == "foam.coverage")
+        return {"foam.threshold"}; // which would win over it
+    const std::size_t dot = path.rfind('.');
+    if (!path.starts_with(systems_path) || dot <= systems_path.size())
+        return {};
+    const std::string table = path.substr(0, dot);
+    const std::string_view key = std::string_view(path).substr(dot + 1);
+    const std::vector<std::string> held = toml_keys(text, table);
     std::vector<std::string> replaced;
-    if (!path.starts_with(systems))
-        return replaced;
-    const std::string_view key = std::string_view(path).substr(at);
+    const auto replace = [&](std::string_view one) {
+        replaced.push_back(fmt::format("{}.{}", table, one));
+    };
     for (const auto& [a, b] : exclusive_keys)
         if (key == a || key == b)
-            replaced.push_back(path.substr(0, at).append(key == a ? b : a));
+            replace(key == a ? b : a);
+    if ((key == "file" || key == "data") && std::ranges::count(held, sine_ramp_keys.front()) > 0)
+        std::ranges::for_each(sine_ramp_keys, replace);
+    if (key == "preset")
+        for (const std::string& one : held)
+            if (one != "from_deg")
+                replace(one);
     return replaced;
 }
 
@@ -114,14 +136,19 @@ Result<Scene> changed(const Scene& scene, std::span<const TomlAssignment> values
     std::vector<TomlAssignment> whole(values.begin(), values.end());
     std::vector<std::string> replaced;
     std::set<std::string> set;
+    const std::string text_before = to_toml(still);
     for (TomlAssignment& value : whole) {
-        value.path = whole_path(value.path);
+        value.path = whole_path(value.path, scene.sea.systems.size());
+        if (value.path == "sea.preset" && !scene.sea.systems.empty())
+            return Error{fmt::format("sea.preset: would stand beside the {} systems of the sea: "
+                                     "set sea.system.0.preset, or that of another",
+                                     scene.sea.systems.size())};
         if (!set.insert(value.path).second)
             return Error{fmt::format("{}: is set twice", value.path)};
         if (value.path == "weather" || value.path.starts_with("weather."))
             return Error{
                 fmt::format("{}: a change is of the sea, not of its timetable", value.path)};
-        std::ranges::move(keys_replaced_by(value.path), std::back_inserter(replaced));
+        std::ranges::move(keys_replaced_by(value.path, text_before), std::back_inserter(replaced));
     }
     SEAWAY_TRY_LET(const std::string text,
                    with_toml_values(text_with_tables(still, whole), scene.source, whole, replaced));

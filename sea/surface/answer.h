@@ -61,9 +61,11 @@ struct Looking {
     double min_wavelength_m = 0;
 
     /// `longest_radpm`: CascadeModes::longest_radpm().
+    /// A wave as long as that is felt: lengths are compared, as clients are told them, since of doubles k (2 pi / k) may be
+    /// more than 2 pi.
     bool feels(std::size_t cascade, double longest_radpm) const {
         return (cascades >> cascade & 1u) != 0 &&
-               longest_radpm * min_wavelength_m <= 2 * std::numbers::pi;
+               (longest_radpm == 0 || 2 * std::numbers::pi / longest_radpm >= min_wavelength_m);
     }
     bool operator==(const Looking&) const = default;
 };

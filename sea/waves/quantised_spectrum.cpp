@@ -2,7 +2,6 @@
 #include "sea/waves/quantised_spectrum.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -33,48 +32,65 @@ struct Wave {
     double k() const { return std::hypot(kx, ky); }
 };
 
-/// Height, displacement along x and y, slope likewise.
-using Parts = std::array<double, 5>;
-
-/// What waves are off by. Of waves whose phases are chance variances add up; those that were given may have any, and all be
-/// off the same way at some place: of these it is amplitudes.
+/// What waves are off by. Of waves whose phases are chance variances add up, along any line at once; those that were given may have
+/// any, and all be off the same way at some place: of these it is amplitudes.
 class Noise {
   public:
     /// The square of |h0| goes from one to another.
     void add(const Wave& wave, double from2, double to2 = 0) {
-        const double k = wave.k(), sideways = std::sqrt(wave.aspect2) / k;
-        const Parts factors{1.0, sideways * std::abs(wave.kx), sideways * std::abs(wave.ky),
-                            std::abs(wave.kx), std::abs(wave.ky)};
-        for (std::size_t i = 0; i < factors.size(); ++i) {
-            if (wave.given)
-                amplitudes_[i] += 2.0 * factors[i] * (std::sqrt(from2) - std::sqrt(to2));
-            else
-                variances_[i] += 2.0 * factors[i] * factors[i] * (from2 - to2);
+        const double k = wave.k(), sideways = std::sqrt(wave.aspect2);
+        if (wave.given) {
+            const double amplitude_m = 2.0 * (std::sqrt(from2) - std::sqrt(to2));
+            height_.sure += amplitude_m;
+            displacement_.sure += amplitude_m * sideways;
+            slope_.sure += amplitude_m * k;
+        } else {
+            const double variance_m2 = 2.0 * (from2 - to2);
+            height_.xx += variance_m2;
+            displacement_.along(wave, variance_m2 * wave.aspect2 / (k * k));
+            slope_.along(wave, variance_m2);
         }
     }
     Noise& operator+=(const Noise& o) {
-        for (std::size_t i = 0; i < variances_.size(); ++i) {
-            variances_[i] += o.variances_[i];
-            amplitudes_[i] += o.amplitudes_[i];
-        }
+        height_ += o.height_;
+        displacement_ += o.displacement_;
+        slope_ += o.slope_;
         return *this;
     }
-    /// Variances of which bound_sigmas deviations are a bound of all.
-    double height() const { return variance(0); }
-    double displacement() const { return std::max(variance(1), variance(2)); }
-    double slope() const { return std::max(variance(3), variance(4)); }
+    /// Variances of which bound_sigmas deviations are a bound of all, along whichever line.
+    double height() const { return height_.variance(); }
+    double displacement() const { return displacement_.variance(); }
+    double slope() const { return slope_.variance(); }
     SpectrumLeft left() const {
         return {std::sqrt(height()), std::sqrt(displacement()), std::sqrt(slope())};
     }
 
   private:
-    double variance(std::size_t i) const {
-        const double sure = amplitudes_[i] / bound_sigmas;
-        const double chance = std::sqrt(std::max(variances_[i], 0.0));
-        return (chance + sure) * (chance + sure);
-    }
+    struct Part {
+        double xx = 0, yy = 0, xy = 0; ///< covariances of what is chance
+        double sure = 0;               ///< what amplitudes add up to
 
-    Parts variances_{}, amplitudes_{};
+        void along(const Wave& wave, double scale) {
+            xx += scale * wave.kx * wave.kx;
+            yy += scale * wave.ky * wave.ky;
+            xy += scale * wave.kx * wave.ky;
+        }
+        Part& operator+=(const Part& o) {
+            xx += o.xx;
+            yy += o.yy;
+            xy += o.xy;
+            sure += o.sure;
+            return *this;
+        }
+        /// Of the line along which it is largest.
+        double variance() const {
+            const double largest = 0.5 * (xx + yy + std::hypot(xx - yy, 2 * xy));
+            const double all = std::sqrt(std::max(largest, 0.0)) + sure / bound_sigmas;
+            return all * all;
+        }
+    };
+
+    Part height_, displacement_, slope_;
 };
 
 struct Rounded {

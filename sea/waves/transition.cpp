@@ -68,9 +68,16 @@ struct Clocks {
     }
 };
 
+bool same_wave(const SineField::Wave& a, const SineField::Wave& b) {
+    return a.kx_radpm == b.kx_radpm && a.ky_radpm == b.ky_radpm;
+}
+bool same_pattern(const NoiseOctave& a, const NoiseOctave& b) {
+    return *a.corners == *b.corners;
+}
+
 /// The same noise stands, at the change, where it stood.
 void continue_octave(const NoiseOctave& from, const Clocks& clocks, NoiseOctave& to) {
-    if (*from.corners != *to.corners)
+    if (!same_pattern(from, to))
         return;
     to.offset_x = from.offset_x - clocks.since(from.rate_x, to.rate_x);
     to.offset_y = from.offset_y - clocks.since(from.rate_y, to.rate_y);
@@ -78,7 +85,7 @@ void continue_octave(const NoiseOctave& from, const Clocks& clocks, NoiseOctave&
 
 /// A wave of the same vector keeps its phase as modes do; its own phase, as theirs, is the new sea's.
 void continue_wave(const SineField::Wave& from, const Clocks& clocks, SineField::Wave& to) {
-    if (from.kx_radpm != to.kx_radpm || from.ky_radpm != to.ky_radpm)
+    if (!same_wave(from, to))
         return;
     to.phase_offset_turns = from.phase_offset_turns + clocks.since(from.rate, to.rate);
 }
@@ -94,6 +101,27 @@ void continue_sines(const CascadeModes& from, CascadeModes& to, const Clocks& cl
     }
 }
 
+/// Waves and patterns that both have turn, and drift, as those of `sea` do.
+void adopt_speeds(const std::vector<SineField>& sea, std::vector<SineField>& sines) {
+    for (std::size_t f = 0; f < std::min(sea.size(), sines.size()); ++f) {
+        const SineField& like = sea[f];
+        SineField& field = sines[f];
+        for (std::size_t w = 0; w < std::min(like.waves.size(), field.waves.size()); ++w)
+            if (same_wave(like.waves[w], field.waves[w])) {
+                field.waves[w].rate = like.waves[w].rate;
+                field.waves[w].omega_radps = like.waves[w].omega_radps;
+            }
+        for (std::size_t o = 0; o < std::min(like.octaves.size(), field.octaves.size()); ++o)
+            if (const NoiseOctave& octave = like.octaves[o];
+                same_pattern(octave, field.octaves[o])) {
+                field.octaves[o].speed_x_mps = octave.speed_x_mps;
+                field.octaves[o].speed_y_mps = octave.speed_y_mps;
+                field.octaves[o].rate_x = octave.rate_x;
+                field.octaves[o].rate_y = octave.rate_y;
+            }
+    }
+}
+
 /// `source` in full, with the phases that it has at `source_time` at `time` on the clock of `onto`,
 /// and its frequencies.
 void continue_onto(const CascadeModes& source, TimeUs source_time, TimeUs time,
@@ -102,7 +130,8 @@ void continue_onto(const CascadeModes& source, TimeUs source_time, TimeUs time,
     onto.h0 = with_offsets(source, offsets);
     onto.phase_offset_turns = offsets;
     onto.depth_m = source.depth_m;
-    onto.sines = source.sines;
+    const std::vector<SineField> sines = std::exchange(onto.sines, source.sines);
+    adopt_speeds(sines, onto.sines);
     continue_sines(source, onto, {source_time, time});
 }
 
@@ -198,6 +227,11 @@ Result<SeaTransition> SeaTransition::create(RealizationPtr from, RealizationPtr 
     return transition;
 }
 
+double SeaTransition::longest_radpm(std::size_t cascade) const {
+    return std::min(fading_->cascades[cascade].longest_radpm(),
+                    growing_->cascades[cascade].longest_radpm());
+}
+
 RealizationPtr SeaTransition::at(TimeUs time_us) const {
     if (time_us < start_us_)
         return from_;
@@ -213,6 +247,9 @@ RealizationPtr SeaTransition::with_share(double share, std::uint32_t cascades) c
     sea->choppiness = {glided(fading_->choppiness.x, growing_->choppiness.x, share),
                        glided(fading_->choppiness.y, growing_->choppiness.y, share)};
     for (std::size_t c = 0; c < sea->cascades.size(); ++c) {
+        if (cascades >> c &
+            1u) // of clocks, too: what takes over goes on with both seas' stylised waves
+            blend_sines(fading_->cascades[c], share, sea->cascades[c]);
         if (!sea->cascades[c].is_there())
             continue;
         std::vector<std::complex<double>>& h0 = sea->cascades[c].h0;
@@ -222,7 +259,6 @@ RealizationPtr SeaTransition::with_share(double share, std::uint32_t cascades) c
         sea->cascades[c].depth_m =
             glided_depth_m(fading_->cascades[c].depth_m, growing_->cascades[c].depth_m, share);
         add_given(fading_->cascades[c], sea->cascades[c]);
-        blend_sines(fading_->cascades[c], share, sea->cascades[c]);
     }
     return sea;
 }

@@ -65,6 +65,9 @@ class SeaTransition {
     /// rate += glide_rate() grown: onto a map of rates, from one of what its values grow by.
     void add_growth(std::span<float> rate, std::span<const float> grown, TimeUs time_us) const;
 
+    /// Of the waves of this cascade that are there at any time of the glide, rad/m.
+    double longest_radpm(std::size_t cascade) const;
+
     /// A sea none of whose waves is ever smaller than in the glide, with the larger choppiness and in the shallower
     /// water: what is bounded for it is bounded for gliding() at every time.
     RealizationPtr envelope() const;

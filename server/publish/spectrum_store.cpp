@@ -49,6 +49,19 @@ Result<void> check_offered(const sea::Realization& waves) {
                              points, sea::spectrum_modes_max)};
 }
 
+/// Waves that were given may be told as tiles, where they meet as chance has it, and be more than a chunk can say is missed
+/// where all of them add up.
+Result<void> check_told(const sea::SpectrumLeft& all) {
+    if (all.height_m <= limits::spectrum_left_m_max &&
+        all.displacement_m <= limits::spectrum_left_displacement_m_max &&
+        all.slope <= limits::spectrum_left_slope_max)
+        return {};
+    return Error{Refusal::not_offered,
+                 fmt::format("the waves of this sea together are higher ({:.3g} m) or steeper "
+                             "({:.3g}) than a spectrum can tell: take tiles",
+                             all.height_m, all.slope)};
+}
+
 /// The last of the rungs that is as fine as the wish; the first one where none is.
 /// Wishes travel as floats: 0.01 is as fine as 0.01.
 template <class Bound>
@@ -175,6 +188,7 @@ Result<SpectrumStore::Made> SpectrumStore::make(const SpectrumSource& sea, const
     const double slope = slope_rungs[rung.slope];
     const sea::QuantisedSpectrum waves =
         sea::quantise(*sea.waves, {height_rungs[rung.height] * sea.height_error_m, slope});
+    SEAWAY_TRY(check_told(waves.without));
     const sea::SpectrumLeft left = waves.left.empty() ? waves.without : waves.left.back();
     std::unique_ptr<EncodedSpectrum> encoded = encode_spectrum(sea, waves);
     ++made_so_far_;

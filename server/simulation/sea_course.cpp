@@ -38,9 +38,11 @@ Sea made(Result<Sea> sea) {
     return *std::move(sea);
 }
 
+/// Those that may be longer than their cascade's band.
 bool gives_waves(const sea::SeaState& sea) {
     return std::ranges::any_of(sea.systems, [](const sea::WaveSystem& system) {
-        return std::holds_alternative<sea::ExplicitModes>(system);
+        return std::holds_alternative<sea::ExplicitModes>(system) ||
+               std::holds_alternative<sea::SineRamps>(system);
     });
 }
 

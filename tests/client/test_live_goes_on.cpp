@@ -387,6 +387,18 @@ TEST(Staleness, of_a_sea_that_fades_is_that_of_what_it_still_was) {
     EXPECT_NEAR(stale_error_m(state, 641'000'000, late_us), calm_m, 1e-12);
 }
 
+// Naive: by the choppiness that it ends with, of which nothing moves sideways.
+TEST(Staleness, of_a_sea_whose_choppiness_glides_is_that_of_what_moves_most) {
+    SeaState state = stale_state();
+    const sea::TimeUs heard_us = 50'000'000, late_us = heard_us + 3'600'000'000;
+    state.choppiness_x = state.choppiness_y = 0;
+    const double still_m = stale_error_m(state, heard_us, late_us);
+    state.glide =
+        protocol::GlideValues{.end_us = 640'000'000, .choppiness_x = 3, .choppiness_y = 2};
+    EXPECT_NEAR(stale_error_m(state, heard_us, late_us), still_m * (1 + 3 * state.rms_slope),
+                1e-12);
+}
+
 // The hardest change that the error is stated for: waves of the same energy that have nothing to do with those before.
 TEST(Staleness, is_true_of_a_change_to_another_sea_of_the_same_height) {
     const SeaState state = stale_state();

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "client/held/keyframe_ring.h"
+#include "client/link/connection.h"
 
 namespace seaway {
 namespace {
@@ -25,6 +26,54 @@ TEST(Looks, cascades_all_of_whose_waves_are_shorter_are_not_felt) {
     EXPECT_EQ(client::felt_cascades(state, {.min_wavelength_m = 8.1}), 3u);
     EXPECT_EQ(client::felt_cascades(state, {.min_wavelength_m = 41}), 1u);
     EXPECT_EQ(client::felt_cascades(state, {.cascades = 6, .min_wavelength_m = 41}), 0u);
+}
+
+// Naive: k times the length that was told of it is more than 2 pi, of one k in twenty.
+TEST(Looks, who_asks_for_waves_as_long_as_the_longest_of_a_cascade_feels_it) {
+    for (int i = 1; i <= 10'000; ++i) {
+        const double k_radpm = 1e-3 * i + 1e-7 * (i % 97);
+        client::SeaState state;
+        state.cascades.push_back({.k_lo_radpm = k_radpm});
+        const double longest_m = 2 * std::numbers::pi / k_radpm;
+        ASSERT_EQ(client::felt_cascades(state, {.min_wavelength_m = longest_m}), 1u) << k_radpm;
+        ASSERT_EQ(client::felt_cascades(state, {.min_wavelength_m = 1.000001 * longest_m}), 0u);
+    }
+}
+
+// Naive: what fades is not felt from the first moment of a glide on.
+TEST(Looks, waves_of_either_end_of_a_glide_are_felt) {
+    client::SeaState state;
+    state.cascades.push_back({.k_lo_radpm = 0.2});
+    const sea::Looking looking{.min_wavelength_m = 100};
+    EXPECT_EQ(client::felt_cascades(state, looking), 0u);
+    state.glide = protocol::GlideValues{};
+    EXPECT_EQ(client::felt_cascades(state, looking), 0u) << "of a server that does not say";
+    state.glide->k_lo_radpm = {0.03};
+    EXPECT_EQ(client::felt_cascades(state, looking), 1u);
+}
+
+// Naive: to the last bit, and a server whose mathematics library was renewed runs another sea.
+TEST(Looks, a_sea_is_the_same_one_where_its_probes_are_within_what_they_are_off_by) {
+    client::SeaState state;
+    state.probes = {{1, 2, 3'000'000, 4, 5, 6}};
+    const auto with = [&](double off_m, double x_m) {
+        client::SeaState other = state;
+        other.probes[0].height_m += off_m;
+        other.probes[0].displacement_y_m -= off_m;
+        other.probes[0].x_m = x_m;
+        return other;
+    };
+    EXPECT_TRUE(client::same_waves(state, with(1.9e-6, 1)));
+    EXPECT_FALSE(client::same_waves(state, with(2.1e-6, 1)));
+    EXPECT_FALSE(client::same_waves(state, with(0, 1.5)));
+    client::SeaState glides = state;
+    glides.glide = protocol::GlideValues{.leads_to = state.probes};
+    EXPECT_FALSE(client::same_waves(state, glides));
+    client::SeaState glides_too = glides;
+    glides_too.glide->leads_to[0].height_m += 1e-6;
+    EXPECT_TRUE(client::same_waves(glides, glides_too));
+    glides_too.glide->leads_to[0].height_m += 1;
+    EXPECT_FALSE(client::same_waves(glides, glides_too));
 }
 
 // docs/foam.md: mean (2 product (1 + ratio) / 2 - 1), clamped last; ratios are linear in space and time, over the edge of a tile

@@ -18,7 +18,6 @@ using tests::sample;
 using tests::samples;
 using tests::some_state;
 using tests::some_tile;
-using tests::with_list_at;
 using wire::Body;
 using wire::ErrorCode;
 
@@ -166,6 +165,17 @@ TEST(Messages, what_glides_is_on_the_way_from_what_it_was_to_what_the_sea_state_
         EXPECT_NEAR(read_back.foam_threshold_at(time_us), -0.25 + share, 1e-12) << time_us;
     }
     EXPECT_EQ(there().realised_at(12'500'000).hs_m, state.realised.hs_m) << "older servers";
+    EXPECT_EQ(there().longest_radpm(1), state.cascades[1].k_lo_radpm) << "older servers";
+    state.glide->k_lo_radpm = {0.005, 0.07};
+    EXPECT_EQ(there().longest_radpm(0), 0.005);
+    EXPECT_EQ(there().longest_radpm(1), 0.07);
+    for (const std::vector<double>& wrong :
+         {std::vector{0.005}, {0.005, 0.07, 0.5}, {0.005, -1.0}, {std::nan(""), 0.07}}) {
+        state.glide->k_lo_radpm = wrong;
+        const auto bytes = sea_state(state);
+        EXPECT_FALSE(check(*read(reader, bytes)->body_as_SeaState())) << wrong.size();
+    }
+    state.glide->k_lo_radpm = {};
     state.glide->realised = SeaNumbers{.hs_m = 10.2, .tp_s = 15, .tz_s = 11, .mean_from_deg = 350};
     state.realised.mean_from_deg = 20;
     const SeaNumbers half = there().realised_at(15'000'000);
@@ -204,44 +214,6 @@ TEST(Messages, unaligned_bytes_are_read_like_aligned_ones) {
             ASSERT_TRUE(message.has_value());
             EXPECT_EQ(reinterpret_cast<std::uintptr_t>(*message) % 4, 0u);
         }
-}
-
-// The verifier looks at the alignment of a list's count alone; found by the fuzzer.
-TEST(Messages, lists_that_are_not_aligned_are_not_a_message) {
-    const sea::TimeUs times[] = {-5, 1'000'000};
-    const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
-    const std::vector<sea::Answer> answers(3);
-    const double depths[] = {-1, -2};
-    const Bytes asked = query(9, points, false, {}, depths), fetched = fetch(8, times, {}),
-                stated = sea_state(some_state()), answered = query_reply(9, 1, answers);
-    for (const std::size_t shift : {0u, 4u}) {
-        MessageReader reader(Sender::client);
-        const wire::Message* whole = read(reader, asked);
-        const auto* body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_Query());
-        const Bytes moved = with_list_at(asked, *body, wire::Query::VT_POINTS, 24, shift);
-        MessageReader again(Sender::client);
-        EXPECT_EQ(again.read(moved).has_value(), shift == 0) << "points";
-        const Bytes sunk = with_list_at(asked, *body, wire::Query::VT_Z_M, 8, shift);
-        EXPECT_EQ(again.read(sunk).has_value(), shift == 0) << "depths";
-        whole = read(reader, fetched);
-        body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_Fetch());
-        const Bytes late = with_list_at(fetched, *body, wire::Fetch::VT_TIMES_US, 8, shift);
-        EXPECT_EQ(again.read(late).has_value(), shift == 0) << "times";
-        MessageReader client(Sender::server), client_again(Sender::server);
-        whole = read(client, stated);
-        body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_SeaState());
-        const Bytes other = with_list_at(stated, *body, wire::SeaState::VT_CASCADES,
-                                         sizeof(wire::CascadeInfo), shift);
-        EXPECT_EQ(client_again.read(other).has_value(), shift == 0) << "cascades";
-        const Bytes far =
-            with_list_at(stated, *body, wire::SeaState::VT_PROBES, sizeof(wire::Probe), shift);
-        EXPECT_EQ(client_again.read(far).has_value(), shift == 0) << "probes";
-        whole = read(client, answered);
-        body = reinterpret_cast<const flatbuffers::Table*>(whole->body_as_QueryReply());
-        const Bytes reply = with_list_at(answered, *body, wire::QueryReply::VT_ANSWERS,
-                                         sizeof(wire::PointAnswer), shift);
-        EXPECT_EQ(client_again.read(reply).has_value(), shift == 0) << "answers";
-    }
 }
 
 TEST(Messages, sizes_out_of_range_are_errors) {

@@ -272,6 +272,27 @@ TEST(World, a_glide_is_told_the_stylised_waves_of_both_of_its_ends) {
     }
 }
 
+// Naive: by the sea that it leads to, and a client that feels long waves alone loses one in the moment in which it begins to fade.
+TEST(World, a_glide_is_told_the_longest_wave_of_both_of_its_ends) {
+    const RunningSeaPtr plain = running_sea();
+    const RunningSeaPtr given =
+        running_sea("[[sea.system]]\ntype = \"modes\"\nlength_m = 43.0\ndata = "
+                    "'''\nnx,ny,amplitude_m,phase_rad\n1,0,2,0\n'''\n");
+    for (const auto& [from, to] : {std::pair(plain, plain), {plain, given}, {given, plain}}) {
+        const RunningSeaPtr glide = make_glide(*from, *to, 2, 0, 100'000'000).value();
+        const auto told = sea_state_values(*glide, {2, 0, 100'000'000}, {});
+        for (std::size_t c = 0; c < told.cascades.size(); ++c) {
+            EXPECT_EQ(told.cascades[c].k_lo_radpm, to->realization->cascades[c].longest_radpm())
+                << "frequencies are of the new sea's waves";
+            EXPECT_EQ(told.longest_radpm(c),
+                      std::min(from->realization->cascades[c].longest_radpm(),
+                               to->realization->cascades[c].longest_radpm()));
+        }
+        EXPECT_EQ(sea_state_values(*to, {3, 100'000'000, 200'000'000}, {}).longest_radpm(1),
+                  to->realization->cascades[1].longest_radpm());
+    }
+}
+
 // Naive: whatever follows is named. A client would move points of a sea that is offered without sideways motion.
 TEST(World, nothing_follows_that_the_sea_does_not_offer) {
     for (const std::string displacement : {"height", "choppy"}) {

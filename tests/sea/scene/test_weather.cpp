@@ -95,6 +95,78 @@ TEST(Weather, of_two_keys_that_exclude_each_other_the_one_that_is_set_stands) {
                 HasSubstr("excludes significant_height_m: give one of the two"));
 }
 
+// Naive: a preset became a swell when the scene was read, and another one stands beside it: 7 m and 9 make 11, from two sides.
+TEST(Weather, a_preset_of_the_sea_stands_in_place_of_the_one_before) {
+    const std::string seven = "[sea]\npreset = \"beaufort:7\"\nfrom_deg = 225\n";
+    const std::string nine = "[sea]\npreset = \"beaufort:9\"\nfrom_deg = 225\n";
+    for (const char* path : {"sea.preset", "systems.0.preset", "sea.system.0.preset"}) {
+        const Result<Scene> stormier = with(scene_of(seven), path, "\"beaufort:9\"");
+        ASSERT_TRUE(stormier) << stormier.error().message;
+        EXPECT_EQ(to_toml(*stormier), to_toml(scene_of(nine))) << path;
+    }
+    const Result<Scene> turned = with(scene_of(seven), "sea.from_deg", "10");
+    ASSERT_TRUE(turned) << turned.error().message;
+    EXPECT_EQ(turned->sea.systems.size(), 1u);
+    EXPECT_EQ(error_of(seven + row("sea.preset = \"beaufort:9\", sea.from_deg = 180") +
+                       "[[weather]]\nat_s = 1000\nset.sea.preset = \"beaufort:3\"\n"),
+              "no error");
+    // In place of a system of whatever type; the direction stays, where it has one.
+    const Result<Scene> swell = with(scene_of(system_of("jonswap", "wind_speed_10m_mps = 5\n")),
+                                     "systems.0.preset", "\"wmo:5\"");
+    ASSERT_TRUE(swell) << swell.error().message;
+    EXPECT_EQ(to_toml(*swell), to_toml(scene_of("[sea]\npreset = \"wmo:5\"\nfrom_deg = 270\n")));
+    // Of two which is meant must be said, and on a flat sea there is none yet.
+    const Scene two = scene_of(seven + "[[sea.system]]\npreset = \"wmo:2\"\nfrom_deg = 0\n");
+    const Result<Scene> either = with(two, "sea.preset", "\"beaufort:9\"");
+    ASSERT_FALSE(either);
+    EXPECT_THAT(either.error().message,
+                AllOf(StartsWith("sea.preset: "), HasSubstr("sea.system.0.preset")));
+    EXPECT_TRUE(with(two, "systems.1.preset", "\"beaufort:9\""));
+    const std::vector<TomlAssignment> begins{{"sea.preset", "\"beaufort:7\""},
+                                             {"sea.from_deg", "225"}};
+    const Result<Scene> no_longer_flat = changed(scene_of("[sea]\n"), begins);
+    ASSERT_TRUE(no_longer_flat) << no_longer_flat.error().message;
+    EXPECT_EQ(to_toml(*no_longer_flat), to_toml(scene_of(seven)));
+}
+
+// Naive: the effective text holds the table itself, and ramps, beside which no file may be named.
+TEST(Weather, another_list_of_waves_stands_in_place_of_the_one_before_and_of_ramps) {
+    const std::string list = "\"wavelength_m,amplitude_m,from_deg,phase_rad\\n20,0.5,90,0\\n\"";
+    const std::string other = "\"wavelength_m,amplitude_m,from_deg,phase_rad\\n25,0.5,90,0\\n\"";
+    const std::string sines = "[sea]\n[[sea.system]]\ntype = \"sines\"\nlength_m = 197\n";
+    const Scene ramps = scene_of(sines + "wavelength_m = 30\nfrom_deg = 10\n");
+    for (const Scene& scene : {ramps, scene_of(sines + "data = " + other + "\n")}) {
+        const Result<Scene> listed = with(scene, "systems.0.data", list);
+        ASSERT_TRUE(listed) << listed.error().message;
+        EXPECT_EQ(to_toml(*listed), to_toml(scene_of(sines + "data = " + list + "\n")));
+        const Result<Scene> missing = with(scene, "systems.0.file", "\"no_such.csv\"");
+        ASSERT_FALSE(missing);
+        EXPECT_THAT(missing.error().message, HasSubstr("no_such.csv")) << "it alone is looked for";
+    }
+}
+
+// Naive: both stand, and the threshold wins for ever.
+TEST(Weather, observed_coverage_takes_the_place_of_a_threshold) {
+    const Scene scene = scene_of(system_of("jonswap", "wind_speed_10m_mps = 12\n"));
+    const Result<Scene> by_hand = with(scene, "foam.threshold", "0.9");
+    ASSERT_TRUE(by_hand);
+    EXPECT_EQ(by_hand->foam.threshold, 0.9);
+    const Result<Scene> observed = with(*by_hand, "foam.coverage", "\"observed\"");
+    ASSERT_TRUE(observed) << observed.error().message;
+    EXPECT_EQ(to_toml(*observed), to_toml(scene));
+}
+
+// Naive: a row may begin where the last second is, however many of them, each within the ones before.
+TEST(Weather, no_row_begins_after_the_last_second_that_one_may_begin_at) {
+    const std::string calm = system_of("jonswap", "wind_speed_10m_mps = 5\n");
+    const auto row_at = [](const char* at_s) {
+        return fmt::format("[[weather]]\nat_s = {}\nover_s = 10\nset.sea.seed = 2\n", at_s);
+    };
+    EXPECT_EQ(error_of(calm + row_at("9999999990.0") + row_at("1e10")), "no error");
+    EXPECT_THAT(error_of(calm + row_at("1e10") + row_at("1e10")),
+                AllOf(HasSubstr("weather[2].at_s"), HasSubstr("the row before ends")));
+}
+
 // Naive: the constant stays, which at 20 m/s is a sea of 5.3 m.
 TEST(Weather, a_sea_that_is_given_by_its_height_keeps_it_in_another_wind) {
     const Scene scene =

@@ -314,6 +314,24 @@ TEST(Transition, stylised_waves_that_run_as_those_before_have_the_phases_of_thei
     }
 }
 
+// Naive: what fades turns as before and what grows as in the new depth, and halfway they cancel each other every 49 s.
+TEST(Transition, stylised_waves_of_both_seas_turn_as_one_where_the_depth_changes) {
+    for (const SineKind kind : {SineKind::sine, SineKind::exponential, SineKind::noise}) {
+        SineRamps ramps = one_of(kind, 1.0);
+        ramps.wavelength_m = 64.0;
+        ramps.length_m = 640.0;
+        SeaState deep, shallow;
+        deep.systems = shallow.systems = {ramps};
+        shallow.depth_m = 10.0;
+        const auto from = realized(deep, {{640.0, 64}}), to = realized(shallow, {{640.0, 64}});
+        const auto glide = SeaTransition::create(from, to, 7'000'000, 607'000'000);
+        ASSERT_TRUE(glide);
+        for (TimeUs t = 7'000'000; t < 607'000'000; t += 9'876'543)
+            EXPECT_NEAR(height(glide->gliding(t), t), height(glide->after(), t), 1e-9) << t;
+        EXPECT_NEAR(height(glide->at(7'000'000), 7'000'000), height(from, 7'000'000), 1e-9);
+    }
+}
+
 /// Waves that drag those behind them along by as much as they are high.
 SineRamps dragging(double amplitude_m) {
     SineRamps ramps = one_of(SineKind::exponential, amplitude_m);

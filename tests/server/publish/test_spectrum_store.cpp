@@ -214,6 +214,24 @@ TEST(SpectrumStore, foam_is_named_as_what_does_not_follow_from_waves) {
     EXPECT_NE(grant.why.find("foam is a history"), std::string::npos) << grant.why;
 }
 
+// Naive: told, and each client takes the first chunk for damage, comes back and is told again.
+TEST(SpectrumStore, given_waves_that_are_together_higher_than_a_chunk_can_say_are_refused_by_name) {
+    SpectrumSource sea = some_waves();
+    for (const double amplitude_m : {4e6, 6e6}) {
+        auto waves = std::make_shared<sea::Realization>(*sea.waves);
+        waves->cascades[0].given.assign(waves->cascades[0].h0.size(), 0);
+        waves->cascades[0].given[1] = 1;
+        waves->cascades[0].h0[1] = amplitude_m / 2;
+        sea.waves = waves;
+        SpectrumStore store;
+        const Result<GrantedSpectrum> grant = store.grant(sea, {});
+        EXPECT_EQ(grant.has_value(), amplitude_m / 5 < protocol::limits::spectrum_left_m_max);
+        if (!grant) {
+            EXPECT_TRUE(grant.error().is(Refusal::not_offered));
+        }
+    }
+}
+
 TEST(SpectrumStore, stylised_waves_have_no_spectrum_and_are_refused_by_name) {
     SpectrumSource sea = some_waves();
     auto waves = std::make_shared<sea::Realization>(*sea.waves);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phases of seas whose waves run otherwise than at the beginning: found again, kept within a bound.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "sea/scene/weather.h"
+#include "sea/waves/reference.h"
 #include "server/simulation/sea_course.h"
 #include "tests/server/simulation/simulation_bench.h"
 
@@ -91,6 +93,30 @@ from_deg = 230
     const std::vector<Row> rows = depths(5, sines);
     const auto course = course_of(of_depth(30.0, sines), rows);
     expect_same_waves(*course->sea(11)->realization, *walked(of_depth(30.0, sines), rows));
+}
+
+// Naive: clocks know what grows alone, the glide what fades, too, and the wave in the second place jumps at its end.
+TEST(CoursePhases,
+     what_takes_over_from_a_glide_of_stylised_waves_ends_in_the_sea_that_it_leads_to) {
+    const auto waves = [](double wavelength_m) {
+        return fmt::format(
+            "[[sea.system]]\ntype = \"sines\"\nshape = \"exponential\"\nlength_m = 43.0\n"
+            "count = 1\namplitude_m = 0.1\nwavelength_m = {}\nfrom_deg = 230\n"
+            "direction_spread_deg = 0\n",
+            wavelength_m);
+    };
+    const std::string x = waves(20), y = waves(9);
+    const std::vector<Row> rows{{of_depth(12.0, y), 100 * second_us, 700 * second_us},
+                                {of_depth(12.0, y + x), 300 * second_us, 360 * second_us}};
+    const auto course = course_of(of_depth(30.0, x), rows);
+    expect_same_waves(*course->sea(5)->realization, *walked(of_depth(30.0, x), rows));
+    const auto height = [&](std::uint32_t epoch, TimeUs time_us) {
+        const RunningSeaPtr sea = course->sea(epoch);
+        const sea::RealizationPtr waves_then =
+            sea->glide ? sea->glide->change.gliding(time_us) : sea->realization;
+        return sea::DirectSum(waves_then).at(3.0, 4.0, time_us).height;
+    };
+    EXPECT_NEAR(height(4, 360 * second_us), height(5, 360 * second_us), 1e-6);
 }
 
 TEST(CoursePhases, those_of_some_changes_all_over_the_log_are_kept_and_the_newest) {

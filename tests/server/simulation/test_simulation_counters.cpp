@@ -91,13 +91,23 @@ TEST(SimulationCounters, waves_that_a_change_gives_by_hand_are_felt_by_who_feels
     const double length_m = bench.sea->realization->cascades[1].spec.length_m;
     const sea::Looking looking{.min_wavelength_m = 0.99 * length_m};
     EXPECT_FALSE(felt_cascades(*bench.course, looking) & 2u);
-    sea::Scene given = bench.sea->scene;
-    given.sea.systems.emplace_back(
-        sea::ExplicitModes{.length_m = length_m, .modes = {{1, 0, 2.0, 0.0}}});
-    ASSERT_TRUE(bench.course->add(given, 10 * second_us, 20 * second_us));
-    EXPECT_TRUE(felt_cascades(*bench.course, looking) & 2u);
-    EXPECT_EQ(felt_cascades(*bench.course, {.cascades = 1, .min_wavelength_m = 1.0}), 1u)
-        << "of which others were told to be left out stay so";
+    sea::SineRamps sines;
+    sines.length_m = length_m;
+    sines.count = 1;
+    sines.wavelength_m = length_m;
+    const sea::ExplicitModes modes{.length_m = length_m, .modes = {{1, 0, 2.0, 0.0}}};
+    sea::SineRamps sharp = sines;
+    sharp.kind = sea::SineKind::exponential;
+    for (const sea::WaveSystem& system :
+         {sea::WaveSystem(modes), sea::WaveSystem(sines), sea::WaveSystem(sharp)}) {
+        const Bench other;
+        sea::Scene given = other.sea->scene;
+        given.sea.systems.push_back(system);
+        ASSERT_TRUE(other.course->add(given, 10 * second_us, 20 * second_us));
+        EXPECT_TRUE(felt_cascades(*other.course, looking) & 2u) << system.index();
+        EXPECT_EQ(felt_cascades(*other.course, {.cascades = 1, .min_wavelength_m = 1.0}), 1u)
+            << "of which others were told to be left out stay so";
+    }
 }
 
 TEST(SimulationCounters,
