@@ -29,7 +29,7 @@ inline constexpr double spectrum_sigmas = 6.0;
 struct SpectrumAccuracy {
     double height_m =
         0; ///< of a height above a world point where the sea is as steep as it is on average
-    double slope = std::numeric_limits<double>::infinity(); ///< of each component
+    double slope = std::numeric_limits<double>::infinity(); ///< along any line
 };
 
 struct QuantisedSpectrum {
