@@ -7,7 +7,7 @@ While the weather changes every 10 s, one server after the other is killed with 
 server and NATS is cut for 20 s. Before that one server hangs (SIGSTOP). Meanwhile heights are asked of all servers at the same sea times, and watchers sample the sea
 through HAProxy with the client library. Ends with 1 where a promise was broken.
 
-    tests/load/fleet.py BUILD [--seconds 60] [--keep]
+    tests/load/fleet.py BUILD [--seconds 60] [--scene FILE] [--keep DIR]
 """
 
 import argparse
@@ -23,17 +23,21 @@ import tempfile
 import threading
 import time
 
-from fleet_processes import Fleet
+from fleet_processes import SCENE, Fleet
 from fleet_watcher import Watcher, usual_gap_s
 
 CUT_S = 20
 WEATHER_EVERY_S = 10
 GAP_S_MAX = 2.0
-MOVING_GAP_S_MAX = 5.0
+MOVING_GAP_S_MAX = 5.0  # or, on a machine that is slow or crowded, three times the way in of as many clients with nothing broken
+WAYS_MAX = 3
 GAP_OF_MOVING_MAX = 2.0  # where the same way to another server, with nothing broken, takes more than half of that: a crowded machine
 GAP_OF_USUAL_MAX = 5.0  # a way back waits for its turn at the client, at HAProxy, at the server, and again; likewise
-HANG_S_MAX = 15.0  # three checks of a second, and a client's way back on a crowded machine
+HANG_S_MAX = 15.0  # three checks of a second, whoever came to it meanwhile, and a way back; on such a machine likewise
+HANG_SEEN_S_MAX = 12.0  # of that, without the way back
 HEIGHTS_MIN = 10_000
+POINTS = 250  # of a round: two ready servers make HEIGHTS_MIN in 40 rounds, which a minute has where one takes less than 1.5 s
+PAUSE_S = 0.5  # between rounds: each asks for times of 1.5 s, so each moment is asked for twice
 
 
 class Canary(threading.Thread):
@@ -71,7 +75,7 @@ class Comparison:
             return None
         return list(csv.DictReader(io.StringIO(said.stdout)))
 
-    def once(self, count=250):
+    def once(self, count=POINTS):
         before = [name for name in self.fleet.names if self.fleet.ready(name)]
         now_s = next((json.loads(body)["sea_time_s"] for body in
                       (self.fleet.page(name, "/v1/state")[1] for name in before) if body), None)
@@ -95,20 +99,20 @@ class Comparison:
 
     def against_truth(self, watchers):
         """What clients sampled, asked again of a server when all is known: how many, without a bound, beyond it."""
-        sampled = unbound = beyond = 0
-        for watcher in watchers:
-            for first in range(0, len(watcher.rows), 500):
-                rows = watcher.rows[first:first + 500]
-                truth = self.ask("a", [(row["x_m"], row["y_m"], row["t_s"]) for row in rows], 100)
-                if truth is None:
-                    sys.exit(f"server a does not say what was true of what was sampled: {self.why_not}")
-                for row, true in zip(rows, truth):
-                    sampled += 1
-                    if (int(row["flags"]) | int(true["flags"])) & 5:
-                        unbound += 1
-                    elif abs(row["height_m"] - float(true["height_m"])) > row["error_m"] + float(true["error_m"]):
-                        beyond += 1
-        return sampled, unbound, beyond
+        unbound = beyond = 0
+        # In order of time, so that the server makes each keyframe once.
+        sampled = sorted((row for watcher in watchers for row in watcher.rows), key=lambda row: row["t_s"])
+        for first in range(0, len(sampled), 500):
+            rows = sampled[first:first + 500]
+            truth = self.ask("a", [(row["x_m"], row["y_m"], row["t_s"]) for row in rows], 100)
+            if truth is None:
+                sys.exit(f"server a does not say what was true of what was sampled: {self.why_not}")
+            for row, true in zip(rows, truth):
+                if (int(row["flags"]) | int(true["flags"])) & 5:
+                    unbound += 1
+                elif abs(row["height_m"] - float(true["height_m"])) > row["error_m"] + float(true["error_m"]):
+                    beyond += 1
+        return len(sampled), unbound, beyond
 
 
 class Proof:
@@ -121,12 +125,17 @@ class Proof:
         self.watchers = []
         self.promises, self.refusals, self.stale_seen = 0, 0, False
         self.revivals = []
-        self.moving_gap_s = self.hung_until_s = 0.0
+        self.way_in_s = self.moving_gap_s = self.hung_until_s = 0.0
         self.canary = Canary()
 
     def say(self, what, value, fine=True):
         self.fine = self.fine and fine
         print(f"{'  ' if fine else '! '}{what:<62} {value}", flush=True)
+
+    def say_took(self, what, took_s, least_s, seen_s=0.0):
+        """`least_s` may pass, or `seen_s` and some ways in; and what the machine itself stood still."""
+        most_s = max(least_s, seen_s + WAYS_MAX * self.way_in_s) + self.canary.worst_s
+        self.say(what, f"{took_s:.2f} of {most_s:.1f} s", took_s < most_s)
 
     def all_ready(self):
         return all(map(self.fleet.ready, self.fleet.names))
@@ -141,6 +150,8 @@ class Proof:
         fleet.wait_for(lambda: fleet.up() == {"a"}, "HAProxy's first look")
         self.watchers = [Watcher(fleet, number) for number in range(6)]
         fleet.wait_for(lambda: all(watcher.rows for watcher in self.watchers), "the first heights")
+        self.way_in_s = max(watcher.way_in_s() for watcher in self.watchers)
+        self.say("clients that came at once have a first height after", f"{self.way_in_s:.2f} s")
         began = time.monotonic()
         for name in fleet.names[1:]:
             fleet.start_server(name)
@@ -158,8 +169,7 @@ class Proof:
         self.say("sessions spread over all after", f"{time.monotonic() - began:.1f} s, {fleet.sessions()}")
         time.sleep(GAP_S_MAX)
         self.moving_gap_s = max(watcher.worst_gap_s(began) for watcher in self.watchers)
-        self.say("and longest without a height meanwhile", f"{self.moving_gap_s:.2f} s",
-                 self.moving_gap_s < MOVING_GAP_S_MAX + self.canary.worst_s)
+        self.say_took("and longest without a height meanwhile", self.moving_gap_s, MOVING_GAP_S_MAX)
 
     def hang(self):
         """One server, of those with clients, says nothing more and keeps its connections."""
@@ -173,11 +183,11 @@ class Proof:
         finally:
             fleet.processes[name].send_signal(signal.SIGCONT)
         took_s = time.monotonic() - began
-        self.say("clients of a server that hangs are at others after", f"{took_s:.1f} s", took_s < HANG_S_MAX + self.canary.worst_s)
+        self.say_took("clients of a server that hangs are at others after", took_s, HANG_S_MAX, HANG_SEEN_S_MAX)
         fleet.wait_for(self.all_ready, "the fleet, after a hang")
         fleet.wait_for(lambda: all(watcher.rows[-1]["came_s"] > began + took_s for watcher in self.watchers), "heights after a hang")
-        gaps = [watcher.worst_gap_s(began) for watcher in self.watchers]
-        self.say("and longest without a height meanwhile", f"{max(gaps):.1f} s", max(gaps) < HANG_S_MAX + self.canary.worst_s)
+        gap_s = max(watcher.worst_gap_s(began) for watcher in self.watchers)
+        self.say_took("and longest without a height meanwhile", gap_s, HANG_S_MAX, HANG_SEEN_S_MAX)
         self.hung_until_s = time.monotonic()
 
     def do(self, what, name):
@@ -202,29 +212,38 @@ class Proof:
         else:
             self.refusals += 1
 
+    def end_revivals(self):
+        """Nobody comes back any more."""
+        for revival in self.revivals:
+            revival.cancel()
+            revival.join()
+
     def trouble(self, seconds):
+        """Faults at their times, one a round: where a round has taken long, all that is to come is as much later."""
         fleet = self.fleet
         faults = [(3, "kill", "a"), (9, "kill", "b"), (15, "nats", None), (21, "cut", "c"), (21 + CUT_S, "heal", "c"),
                   (47, "kill", "c")]
         began = time.monotonic()
         weather_at = 0.0
         while (now := time.monotonic() - began) < seconds or faults:
-            while faults and faults[0][0] <= now:
-                _, what, name = faults.pop(0)
+            if faults and faults[0][0] <= now:
+                due, what, name = faults.pop(0)
+                began += now - due
+                now = due
                 self.do(what, name)
             if now >= weather_at:
                 weather_at += WEATHER_EVERY_S
                 self.change_weather()
             self.comparison.once()
-            time.sleep(0.1)
+            time.sleep(PAUSE_S)
             if fleet.line.cut:
                 body = fleet.page("c", "/v1/state")[1]
                 self.stale_seen = self.stale_seen or (bool(body) and json.loads(body)["journal"]["stale"])
         for revival in self.revivals:
             revival.join()
+        fleet.wait_for(self.all_ready, "the fleet, healed")
         while self.comparison.asked < HEIGHTS_MIN and self.comparison.rounds < 200:
             self.comparison.once()
-        fleet.wait_for(self.all_ready, "the fleet, healed")
 
     def judge(self):
         fleet, comparison = self.fleet, self.comparison
@@ -271,6 +290,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("build")
     parser.add_argument("--seconds", type=float, default=60, help="of trouble, 60 and more")
+    parser.add_argument("--scene", default=SCENE, help="of the servers: %(default)s")
     parser.add_argument("--keep", metavar="DIR", help="leaves logs there")
     options = parser.parse_args()
     if options.seconds < 60:
@@ -279,15 +299,16 @@ def main():
         if options.keep:
             folder = options.keep
             os.makedirs(folder, exist_ok=True)
-        fleet = Fleet(options.build, folder)
+        fleet = Fleet(options.build, folder, scene=os.path.abspath(options.scene))
+        proof = Proof(fleet)
         try:
-            proof = Proof(fleet)
             proof.begin()
             proof.hang()
             proof.trouble(options.seconds)
             proof.judge()
             proof.pass_through()
         finally:
+            proof.end_revivals()
             fleet.stop_all()
     print("the fleet kept its promises" if proof.fine else "a promise was broken")
     return 0 if proof.fine else 1

@@ -181,11 +181,11 @@ class Fleet:
     def wait_for(self, condition, what, limit_s=60):
         until = time.monotonic() + limit_s
         while not condition():
-            for name, process in self.processes.items():
-                if process.poll() is not None:
+            for name, process in list(self.processes.items()):  # threads of their own start and stop others meanwhile
+                if process.poll() is not None and self.processes.get(name) is process:
                     raise RuntimeError(f"{name} ended with {process.returncode} before {what}:\n{self.last_words(name)}")
             if time.monotonic() > until:
-                raise RuntimeError(f"{what} took longer than {limit_s} s\n" + "\n".join(map(self.last_words, self.processes)))
+                raise RuntimeError(f"{what} took longer than {limit_s} s\n" + "\n".join(map(self.last_words, list(self.processes))))
             time.sleep(0.02)
 
     def last_words(self, name):

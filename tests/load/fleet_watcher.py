@@ -14,6 +14,7 @@ class Watcher:
     def __init__(self, fleet, number):
         self.rows = []
         self.words = open(fleet.folder / f"watcher-{number}.log", "w")
+        self.began_s = time.monotonic()
         self.process = subprocess.Popen(
             [fleet.bin / "seaway-query", f"wss://127.0.0.1:{fleet.balancer_port}", "--ca-file", fleet.certificate, "--local", "--at", f"{number},7",
              "--watch", "20", "--format", "csv", "--timeout", "5"],
@@ -35,6 +36,10 @@ class Watcher:
     def stop(self):
         self.process.terminate()
         self.process.wait()
+
+    def way_in_s(self):
+        """From its start to its first height."""
+        return self.rows[0]["came_s"] - self.began_s
 
     def worst_gap_s(self, since_s=0.0):
         """Of those that ended since, the one of now among them; by the clock that time.monotonic() shows."""
