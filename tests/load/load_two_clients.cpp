@@ -8,8 +8,9 @@
 //     load_two_clients --pause 2 --measure 2 --bound 0.05     as ./dev test runs it
 //
 // Frames of both are at different moments: between two of the faster one's it is interpolated, which at 7 ms is
-// good to 0.1 mm. Prints how far apart they are and what share of frames had no keyframes around them. Exit code
-// 1: more than --bound apart at the 99th percentile.
+// good to 0.1 mm. Prints how far apart they are and what share of frames had no keyframes around them. Where a
+// crowded machine has drawn next to nothing that can be compared it is done again, three times in all. Exit code
+// 1: more than --bound apart at the 99th percentile, a fifth of the frames without keyframes, or next to no frames.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -18,6 +19,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -135,7 +138,7 @@ int play(const Options& options) {
     std::ofstream(options.out, std::ios::binary)
         .write(reinterpret_cast<const char*>(frames.data()),
                static_cast<std::streamsize>(frames.size() * sizeof(Frame)));
-    return frames.empty() ? 1 : 0;
+    return 0; // of no frames too: whoever compares them sees that there are none
 }
 
 std::vector<Frame> frames_in(const std::string& path, double from_s) {
@@ -151,16 +154,29 @@ struct Comparison {
     std::vector<double> apart_m{};
     std::size_t frames = 0;
     std::size_t without_keyframes = 0;
+    std::size_t compared() const { return frames - without_keyframes; }
 };
 
-Comparison compare(const std::vector<Frame>& fast, const std::vector<Frame>& slow) {
+/// Fewer say nothing.
+constexpr std::size_t frames_min = 20;
+constexpr int rounds_max = 3;
+
+/// Between frames that are further apart nothing is compared. A height that falls with half of g, as a crest does that is about to
+/// break and the gale's do less than one time in a hundred (1.7 m/s2 rms), leaves the straight line between two of them by gap^2 g / 16 at
+/// most: no more than a twentieth of the bound, and 1.5 mm in 50 ms.
+double gap_s_max(double bound_m) {
+    constexpr double gravity_mps2 = 9.81;
+    return std::clamp(std::sqrt(16 * bound_m / 20 / gravity_mps2), 0.015, 0.05);
+}
+
+Comparison compare(const std::vector<Frame>& fast, const std::vector<Frame>& slow, double gap_s) {
     Comparison found;
     for (const Frame& frame : slow) {
         const auto after =
             std::lower_bound(fast.begin(), fast.end(), frame.clock_s,
                              [](const Frame& one, double clock) { return one.clock_s < clock; });
         if (after == fast.begin() || after == fast.end() ||
-            after->clock_s - std::prev(after)->clock_s > 0.015)
+            after->clock_s - std::prev(after)->clock_s > gap_s)
             continue;
         const Frame& before = *std::prev(after);
         const double share = (frame.clock_s - before.clock_s) / (after->clock_s - before.clock_s);
@@ -190,17 +206,12 @@ Result<ChildProcess> client_behind(const tests::FaultProxy& line, const Options&
          std::to_string(options.pause_s), "--seconds", std::to_string(seconds)});
 }
 
-int meet(const Options& options) {
-    tests::ServerProcess server({options.scene, "--listen", "127.0.0.1:0", "--device", "native"});
-    const std::string url = server.wait_until_ready();
-    if (url.empty()) {
-        fmt::print(stderr, "the server did not start:\n{}", server.log());
-        return 1;
-    }
+/// What two clients of the server at this port have drawn; nothing where one of them failed.
+std::optional<Comparison> measured(const Options& options, int port) {
     const auto us = [](double ms) { return std::chrono::microseconds(std::llround(1000 * ms)); };
     const tests::LineFaults faults{.delay = us(options.delay_ms), .jitter = us(options.jitter_ms)};
-    tests::FaultProxy fast_line(tests::port_of(url), faults, 1);
-    tests::FaultProxy slow_line(tests::port_of(url), faults, 2);
+    tests::FaultProxy fast_line(port, faults, 1);
+    tests::FaultProxy slow_line(port, faults, 2);
     constexpr double event_s = 3;
     const double last_event_s = clock_s() + event_s + options.pause_s;
     const double seconds = event_s + options.pause_s + options.settle_s + options.measure_s;
@@ -209,24 +220,41 @@ int meet(const Options& options) {
     auto slow = client_behind(slow_line, options, 30, event_s, seconds, folder + "_slow");
     if (!fast || !slow) {
         fmt::print(stderr, "{}\n", (fast ? slow : fast).error().message);
-        return 1;
+        return std::nullopt;
     }
     std::this_thread::sleep_for(Seconds(event_s + options.pause_s));
     fast_line.cut();
-    const bool well = fast->wait().code == 0 && slow->wait().code == 0;
+    if (fast->wait().code != 0 || slow->wait().code != 0) {
+        fmt::print(stderr, "a client did not end well\n");
+        return std::nullopt;
+    }
     const double from_s = last_event_s + options.settle_s;
-    Comparison found =
-        compare(frames_in(folder + "_fast", from_s), frames_in(folder + "_slow", from_s));
-    if (!well || 5 * found.without_keyframes >= found.frames) {
-        fmt::print(stderr, "of {} frames {} without keyframes around them: that is no sea\n",
-                   found.frames, found.without_keyframes);
+    return compare(frames_in(folder + "_fast", from_s), frames_in(folder + "_slow", from_s),
+                   gap_s_max(options.bound_m));
+}
+
+int meet(const Options& options) {
+    tests::ServerProcess server({options.scene, "--listen", "127.0.0.1:0", "--device", "native"});
+    const std::string url = server.wait_until_ready();
+    if (url.empty()) {
+        fmt::print(stderr, "the server did not start:\n{}", server.log());
         return 1;
     }
-    const auto apart_mm = [&](double share) { return 1000 * quantile(found.apart_m, share); };
+    std::optional<Comparison> found = measured(options, tests::port_of(url));
+    for (int round = 1; round < rounds_max && found && found->compared() < frames_min; ++round)
+        found = measured(options, tests::port_of(url));
+    if (!found)
+        return 1;
+    if (found->compared() < frames_min || 5 * found->without_keyframes >= found->frames) {
+        fmt::print(stderr, "of {} frames {} without keyframes around them: that is no sea\n",
+                   found->frames, found->without_keyframes);
+        return 1;
+    }
+    const auto apart_mm = [&](double share) { return 1000 * quantile(found->apart_m, share); };
     fmt::print(
         "{} frames compared, {} without keyframes around them; apart: p50 {:.2f}, p99 {:.2f}, "
         "most {:.2f} mm\n",
-        found.frames, found.without_keyframes, apart_mm(0.5), apart_mm(0.99), apart_mm(1));
+        found->frames, found->without_keyframes, apart_mm(0.5), apart_mm(0.99), apart_mm(1));
     return apart_mm(0.99) <= 1000 * options.bound_m ? 0 : 1;
 }
 
@@ -238,7 +266,7 @@ int main(int argc, char** argv) {
     line.option("--scene", options.scene, "Scene of the server").takes("FILE");
     line.option("--pause", options.pause_s, "That a process stands still").between(0.1, 1e4);
     line.option("--settle", options.settle_s, "From the last event on").between(0.0, 1e4);
-    line.option("--measure", options.measure_s, "Compared").between(0.1, 1e5);
+    line.option("--measure", options.measure_s, "Compared").between(1.0, 1e5);
     line.option("--delay", options.delay_ms, "Of a line, each way, ms").between(0.0, 1e4);
     line.option("--jitter", options.jitter_ms, "More or less, ms").between(0.0, 1e4);
     line.option("--bound", options.bound_m, "At the 99th percentile, m").between(0.0, 1e3);
