@@ -27,6 +27,7 @@
 #include "tests/support/draw.h"
 #include "tests/support/fault_proxy.h"
 #include "tests/support/folder.h"
+#include "tests/support/nats_server.h"
 #include "tests/support/process_status.h"
 #include "tests/support/server_process.h"
 
@@ -59,12 +60,10 @@ class Servers {
         server_ = std::make_unique<tests::ServerProcess>(
             std::vector<std::string>{scene_, "--listen", fmt::format("127.0.0.1:{}", port_),
                                      "--device", "native", "--data-dir", folder_});
-        const std::string url = server_->wait_until_ready();
-        if (url.empty())
+        const bool ready = !server_->wait_until_ready().empty();
+        if (!ready)
             fmt::print(stderr, "the server did not start:\n{}", server_->log());
-        else
-            port_ = tests::port_of(url);
-        return !url.empty();
+        return ready;
     }
     bool kill_and_start() {
         server_->send(SIGKILL);
@@ -76,7 +75,7 @@ class Servers {
 
   private:
     std::string scene_, folder_;
-    int port_ = 0;
+    const int port_ = tests::free_port(); ///< which nobody is given while it is down
     std::unique_ptr<tests::ServerProcess> server_;
 };
 
