@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A session with a Seaway server, written from docs/protocol.md alone."""
 import pathlib
+import select
 
 import spectrum
 import surface
@@ -19,6 +20,39 @@ class Refused(Exception):
         self.code = message["code"]
 
 
+class Keyframe:
+    """Its tiles as they come, decoded when nothing else has come, or when somebody looks at them. Who decodes before he acknowledges
+    falls behind a stream where the machine is slow: he is sent the newest, and never holds two keyframes that follow each other."""
+
+    def __init__(self, size, length_m, depth_m):
+        self.whole_size = size
+        self.coarser = {"interval_us": 0}
+        self.missing_parts = {}  # by field
+        self.to_decode = []
+        self.decoded = tiles.Keyframe(size, length_m, depth_m)
+
+    def add(self, tile):
+        self.coarser = tile["coarser"] or self.coarser
+        self.to_decode.append(tile)
+        missing = self.missing_parts.setdefault(tile["field"], set(range(tile["parts"])))
+        missing.discard(tile["part"])
+        if not missing and tile["size"] < self.whole_size:
+            self.missing_parts.update({f: set() for f in range(32) if tile["follows"] >> f & 1})
+
+    def holds(self, fields):
+        return all(field in self.missing_parts and not self.missing_parts[field] for field in fields)
+
+    def decode(self):
+        arrived, self.to_decode = self.to_decode, []
+        for tile in arrived:
+            self.decoded.add(tile)
+
+    def __getattr__(self, name):
+        """Whatever the decoded one has."""
+        self.decode()
+        return getattr(self.decoded, name)
+
+
 class Session:
     def __init__(self, host, port, token="", compact=False):
         self.compact = compact  # takes linear maps on smaller grids
@@ -27,6 +61,7 @@ class Session:
         self.keyframes = {}  # by (epoch, cascade, time_us)
         self.granted = None
         self.complete = []  # keyframes that are, and were not acknowledged
+        self.arrived = []  # keyframes with tiles that are not decoded
         self.spectra = {}  # by epoch
         self.last_id = 0
         self.send("Hello", versions=[1], client="interop", token=token)
@@ -39,6 +74,8 @@ class Session:
 
     def receive(self):
         """The next message; what belongs to the session has been taken from it."""
+        while self.arrived and not self.socket.received and not select.select([self.socket.socket], [], [], 0)[0]:
+            self.arrived.pop(0).decode()
         message = SCHEMA.read_message(self.socket.receive())
         kind = message["kind"]
         if kind == "SeaState":
@@ -61,8 +98,9 @@ class Session:
         state = self.states[tile["epoch"]]
         cascade = state["cascades"][tile["cascade"]]
         keyframe = self.keyframes.setdefault(
-            key, tiles.Keyframe(cascade["size"], cascade["length_m"], state["depth_m"]))
+            key, Keyframe(cascade["size"], cascade["length_m"], state["depth_m"]))
         keyframe.add(tile)
+        self.arrived.append(keyframe)
         wanted = [f for f in range(32) if (self.granted or {}).get("fields", 0) >> f & 1]
         if wanted and keyframe.holds(wanted):
             self.complete.append(tile["keyframe"])
