@@ -220,7 +220,7 @@ auto Client::subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription) {
             // Kept from here on: the connection may end, and come back, behind the grant.
             serial = kept.ask(subscription);
             lock.unlock();
-            ask_for(*connection, now, waiter);
+            ask_for(*connection, now, waiter.handler());
         }
         had = granted(subscription, reply_of(waiter));
         {
@@ -263,14 +263,15 @@ void Client::unsubscribe_spectrum() {
     spectrum_subscription_.end();
 }
 
-void Client::ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter) {
+void Client::ask_for(Connection& connection, const Subscription& subscription,
+                     ReplyHandler handler) {
     connection.subscribe(subscription.wish, subscription.credit, subscription.timeout_s,
-                         waiter.handler());
+                         std::move(handler));
 }
 
 void Client::ask_for(Connection& connection, const SpectrumSubscription& subscription,
-                     Waiter& waiter) {
-    connection.subscribe_spectrum(subscription.wish, subscription.timeout_s, waiter.handler());
+                     ReplyHandler handler) {
+    connection.subscribe_spectrum(subscription.wish, subscription.timeout_s, std::move(handler));
 }
 
 Result<Grant> Client::granted(const Subscription& subscription, const Result<Reply>& reply) {

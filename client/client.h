@@ -11,7 +11,7 @@
 //     auto sampled = (*client)->sample({&point, 1}); // the client does, as often as wanted
 //
 // A connection that is lost comes back by itself, with waits of link/reconnect.h, and what was subscribed to is subscribed
-// to again (ConnectOptions::stays_lost: it does not). Meanwhile what is held is sampled, on the same clock; answers about
+// to again, tiles and waves each for itself (ConnectOptions::stays_lost: it does not). Meanwhile what is held is sampled, on the same clock; answers about
 // times of which the server may know more are flagged answer_stale (staleness.h). Whoever is turned away for good stops. A
 // server that comes back with the same sea goes on with what is held; one with another sea, or another time, makes this
 // client drop all of it: ClientStatus::seas counts them. What waits for a reply when the connection ends fails with lost.
@@ -67,6 +67,10 @@ struct ClientEvents {
 };
 
 class Waiter;
+struct Again;
+template <class Kind>
+struct RungAgain;
+enum class RungState;
 
 class Client {
   public:
@@ -204,15 +208,9 @@ class Client {
     /// mutex_ held: the next attempt is after a pause, or there is none.
     void note_wait(const Error& why);
     void note_attempt(); ///< mutex_ held
-    std::chrono::duration<double>
-    note_subscribed(const Result<void>& done); ///< again; else the pause
     void keep();
     /// Tries until it is connected, or there is no sense in it, or the client goes. `lock` is of mutex_.
     void come_back(std::unique_lock<std::mutex>& lock, Error why);
-    /// Subscribes again; while that is refused, after waits, for as long as the connection stands.
-    void subscribe_again(std::unique_lock<std::mutex>& lock);
-    template <class Kind>
-    Result<void> subscribe_as_before(Kept<Kind>& kept);
     void say_status();
     void say_what_is_held(); ///< where that is something else than was said
     /// mutex_ held, on the connection's thread: its first sea is known.
@@ -225,17 +223,23 @@ class Client {
     std::string what_is_lost(const Joining& joining, std::uint32_t told_epoch_max,
                              const Joining::Look& look) const;
     void forget_sea(const Joining& joining, const SeaStatePtr& next); ///< mutex_ held
-    /// Asks for what is kept now, if anything is (wanted.h).
+    // client_subscribes_again.cpp: what is refused is asked for again, after waits, for as long as the connection stands.
+    /// mutex_ held. When there is something to do for that, if nothing comes before.
+    std::chrono::steady_clock::time_point subscribes_next_held() const;
+    void subscribe_again(std::unique_lock<std::mutex>& lock); ///< does it; lock is of mutex_
+    /// mutex_ held. Is there something else to be told?
+    bool note_subscribed(const std::optional<Error>& missed);
+    template <class Kind> ///< why it is missed, where that has just been said
+    std::optional<Error> step_again(Kept<Kind>& kept, RungAgain<Kind>& rung);
+    template <class Kind> ///< false: nothing is kept
+    bool ask_as_before(const Kept<Kind>& kept, RungAgain<Kind>& rung);
     template <class Kind>
-    std::optional<typename Kept<Kind>::One> ask_as_before(const Kept<Kind>& kept,
-                                                          std::optional<Waiter>& waiter);
-    /// What the server says of that.
-    template <class Kind>
-    Result<void> take_again(Kept<Kind>& kept, const typename Kept<Kind>::One& asked,
-                            const Result<Reply>& reply);
-    static void ask_for(Connection& connection, const Subscription& subscription, Waiter& waiter);
+    Result<RungState> take_again(Kept<Kind>& kept, const typename Kept<Kind>::One& asked,
+                                 const Result<Reply>& reply);
+    static void ask_for(Connection& connection, const Subscription& subscription,
+                        ReplyHandler handler);
     static void ask_for(Connection& connection, const SpectrumSubscription& subscription,
-                        Waiter& waiter);
+                        ReplyHandler handler);
     Result<Grant> granted(const Subscription& subscription, const Result<Reply>& reply);
     Result<protocol::SpectrumGrant> granted(const SpectrumSubscription& subscription,
                                             const Result<Reply>& reply);
@@ -247,9 +251,7 @@ class Client {
         ConnectionPtr connection;
         JoiningPtr joining;
     };
-    /// Of what is subscribed to again, one after the other.
-    struct Again;
-    enum class Turn { standing, waiting, opening, subscribing, resting, stopped };
+    enum class Turn { standing, waiting, opening, stopped };
     Result<Reply> reply_of(Waiter& waiter); ///< waits; without threads it works meanwhile
     /// Likewise; or to the end of that connection, or of the client.
     void rest_until(std::chrono::steady_clock::time_point until, const ConnectionPtr& connection);
@@ -261,7 +263,6 @@ class Client {
     void lose(std::unique_lock<std::mutex>& lock, const Error& why);
     void begin_link(std::unique_lock<std::mutex>& lock);
     void open_turn(std::unique_lock<std::mutex>& lock);
-    void subscribe_turn(std::unique_lock<std::mutex>& lock);
     void wake() {
         if (readiness_)
             readiness_->wake();
@@ -422,6 +423,7 @@ class Client {
     std::chrono::steady_clock::time_point next_attempt_{};
     std::atomic<int> seas_ = 0; ///< changed before what is held of the one before is dropped
     bool resuming_ = false;     ///< from the end of a connection until all is subscribed to again
+    std::unique_ptr<Again> again_; ///< meanwhile; of the keeper's thread, or of working_
     sea::TimeUs told_from_us_ = 0; ///< the beginning of the sea that a connection began with
     std::map<std::uint32_t, sea::TimeUs> seen_until_us_; ///< by epoch: KnownSea
     std::atomic<int> times_seen_ = 0;                    ///< so often that was others
@@ -443,8 +445,6 @@ class Client {
     bool watching_ = false; ///< readiness_ knows the socket of the connection
     Turn turn_ = Turn::standing;
     Coming coming_;
-    std::unique_ptr<Again> again_;
-    std::chrono::steady_clock::time_point rests_until_{};
 };
 
 } // namespace seaway::client

@@ -9,12 +9,14 @@
 
 #include "base/quiet_thread.h"
 #include "base/thread_name.h"
+#include "client/again.h"
 #include "client/link/failure.h"
 #include "client/wanted.h"
 
 namespace seaway::client {
 
 using sea::TimeUs;
+using std::chrono::steady_clock;
 
 namespace {
 
@@ -126,19 +128,20 @@ void Client::keep() {
     std::unique_lock lock(mutex_);
     while (!leaving_.stop_requested()) {
         try {
-            if (const SeaStatePtr glide = to_follow_held()) {
+            const auto next = subscribes_next_held();
+            if (!joining_->end && next <= steady_clock::now()) {
+                subscribe_again(lock);
+            } else if (const SeaStatePtr glide = to_follow_held()) {
                 follow(lock, *glide);
-                continue;
-            }
-            if (joining_->end) {
+            } else if (joining_->end) {
                 come_back(lock, *joining_->end);
                 if (status_.state == LinkState::stopped)
                     return;
-            } else if (!resuming_) {
+            } else if (next < steady_clock::time_point::max()) {
+                changed_.wait_until(lock, next);
+            } else {
                 changed_.wait(lock);
-                continue;
             }
-            subscribe_again(lock);
         } catch (const std::bad_alloc&) { // this thread is ours alone: who would be told?
             if (!lock)
                 lock.lock();
@@ -149,26 +152,16 @@ void Client::keep() {
 
 void Client::note_wait(const Error& why) {
     resuming_ = true;
+    again_.reset(); // what was granted was so on the connection before
     status_.reason = why.message;
     status_.state = why.is(Failure::for_good) ? LinkState::stopped : LinkState::waiting;
-    next_attempt_ = std::chrono::steady_clock::now() +
-                    std::chrono::ceil<std::chrono::steady_clock::duration>(pauses_.next(why));
+    next_attempt_ =
+        steady_clock::now() + std::chrono::ceil<steady_clock::duration>(pauses_.next(why));
 }
 
 void Client::note_attempt() {
     status_.state = LinkState::connecting;
     ++status_.attempts;
-}
-
-std::chrono::duration<double> Client::note_subscribed(const Result<void>& done) {
-    if (!done) {
-        status_.reason = done.error().message;
-        return pauses_.next(done.error());
-    }
-    resuming_ = false;
-    status_.state = LinkState::connected;
-    pauses_.connected();
-    return {};
 }
 
 void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
@@ -195,33 +188,6 @@ void Client::come_back(std::unique_lock<std::mutex>& lock, Error why) {
         if (opened)
             return;
         why = opened.error();
-    }
-}
-
-template <class Kind>
-Result<void> Client::subscribe_as_before(Kept<Kind>& kept) {
-    std::optional<Waiter> waiter;
-    const auto asked = ask_as_before(kept, waiter);
-    return asked ? take_again(kept, *asked, reply_of(*waiter)) : Result<void>();
-}
-
-void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
-    const auto over = [&] { return leaving_.stop_requested() || joining_->end; };
-    while (!over()) {
-        lock.unlock();
-        Result<void> done = subscribe_as_before(spectrum_subscription_);
-        if (done)
-            done = subscribe_as_before(subscription_);
-        lock.lock();
-        if (over())
-            return;
-        const std::chrono::duration<double> pause = note_subscribed(done);
-        lock.unlock();
-        say_status();
-        lock.lock();
-        if (done)
-            return;
-        changed_.wait_for(lock, pause, over);
     }
 }
 
@@ -258,7 +224,7 @@ ClientStatus Client::status() const {
         status.state = options_.stays_lost ? LinkState::stopped : LinkState::waiting;
         status.reason = joining_->end->message;
     } else if (status.state == LinkState::waiting) {
-        const std::chrono::duration<double> left = next_attempt_ - std::chrono::steady_clock::now();
+        const std::chrono::duration<double> left = next_attempt_ - steady_clock::now();
         status.next_attempt_s = std::max(left.count(), 0.0);
     }
     if (silent(now_us))

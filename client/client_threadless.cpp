@@ -3,8 +3,8 @@
 // calls work_until() or waits for a reply (decision 0063).
 #include <algorithm>
 
-#include "client/link/failure.h"
-#include "client/wanted.h"
+#include "client/client.h"
+#include "client/link/waiter.h"
 
 namespace seaway::client {
 
@@ -86,15 +86,12 @@ void Client::keep_turn() {
     const bool ended = joining_->end && !options_.stays_lost;
     switch (turn_) {
     case Turn::standing:
-    case Turn::subscribing:
-    case Turn::resting:
         if (ended) {
-            again_.reset();
             status_.attempts = 0;
             return lose(lock, *joining_->end);
         }
-        if (turn_ != Turn::standing)
-            subscribe_turn(lock);
+        if (subscribes_next_held() <= steady_clock::now())
+            subscribe_again(lock);
         return;
     case Turn::waiting:
         if (steady_clock::now() >= next_attempt_)
@@ -142,47 +139,7 @@ void Client::open_turn(std::unique_lock<std::mutex>& lock) {
     }
     adopt(come.connection, come.joining);
     lock.lock();
-    turn_ = Turn::subscribing;
-}
-
-void Client::subscribe_turn(std::unique_lock<std::mutex>& lock) {
-    if (turn_ == Turn::resting && steady_clock::now() < rests_until_)
-        return;
-    turn_ = Turn::subscribing;
-    if (!again_)
-        again_ = std::make_unique<Again>();
-    lock.unlock();
-    Again& again = *again_;
-    std::optional<Result<void>> done;
-    if (again.asked && again.asked->ready()) {
-        const Result<Reply> reply = again.asked->wait();
-        again.asked.reset();
-        const Result<void> had = again.rungs++ == 0
-                                     ? take_again(spectrum_subscription_, *again.waves, reply)
-                                     : take_again(subscription_, *again.tiles, reply);
-        if (!had)
-            done = had.error();
-    }
-    while (!done && !again.asked) {
-        if (again.rungs == 0)
-            again.waves = ask_as_before(spectrum_subscription_, again.asked);
-        else if (again.rungs == 1)
-            again.tiles = ask_as_before(subscription_, again.asked);
-        else
-            done = Result<void>();
-        again.rungs += again.asked ? 0 : 1;
-    }
-    if (!done)
-        return;
-    again_.reset();
-    lock.lock();
-    if (joining_->end) // the next turn sees it
-        return;
-    rests_until_ =
-        steady_clock::now() + std::chrono::ceil<steady_clock::duration>(note_subscribed(*done));
-    turn_ = *done ? Turn::standing : Turn::resting;
-    lock.unlock();
-    say_status();
+    turn_ = Turn::standing;
 }
 
 } // namespace seaway::client

@@ -31,7 +31,8 @@
  * one line, for the calling thread. Nothing is written to the outputs of a call that failed.
  *
  * A connection that is lost comes back by itself: after waits that grow from 0.5 to 16 s, each up to half as long again by lot, or
- * after as long as the server asked for and some more; what was subscribed to is subscribed to again. Meanwhile time goes on, and what is held is sampled:
+ * after as long as the server asked for and some more; what was subscribed to is subscribed to again, tiles and spectrum each for itself: one comes
+ * though the other is refused. Meanwhile time goes on, and what is held is sampled:
  * waves at any time; keyframes up to their end, some tenths of a second on, beyond which the sea stands (seaway_sample) and is
  * flagged SEAWAY_EXTRAPOLATED. Where another sea comes back, as of a server without a journal, nothing is held of it for some tenths of a
  * second: SEAWAY_NOT_HELD. Answers of which the server may know more are flagged SEAWAY_STALE. seaway_get_status and
@@ -138,10 +139,12 @@ double seaway_retry_after_s(const seaway_client* client);
 
 /* How a client stands. */
 enum {
+    /* And all that was subscribed to is, again; or one rung is, and seaway_status.reason says why the other was refused or not
+     * answered in time. That is asked for again after waits, until seaway_unsubscribe, which ends both. `holds` says what there is to sample. */
     SEAWAY_CONNECTED = 0,
     SEAWAY_WAITING = 1, /* lost: for the time of the next attempt */
-    SEAWAY_CONNECTING =
-        2, /* an attempt is under way, or what was subscribed to is not granted yet */
+    /* An attempt is under way, or what was subscribed to is not answered yet, or none of it is granted. */
+    SEAWAY_CONNECTING = 2,
     SEAWAY_STOPPED =
         3 /* lost for good: wrong token, another protocol, dropped by an administrator, stays_lost */
 };

@@ -9,10 +9,13 @@
 namespace seaway::client {
 
 enum class LinkState {
-    connected = 0,  ///< and all that was subscribed to is, again
-    waiting = 1,    ///< lost: for the time of the next attempt
-    connecting = 2, ///< an attempt is under way, or what was subscribed to is not granted yet
-    stopped = 3,    ///< lost for good: the reason says why
+    /// And all that was subscribed to is, again; or some of it, and the reason says why the rest was refused or not answered in
+    /// time, which is asked for again after waits.
+    connected = 0,
+    waiting = 1, ///< lost: for the time of the next attempt
+    /// An attempt is under way, or what was subscribed to is not answered yet, or none of it is granted.
+    connecting = 2,
+    stopped = 3, ///< lost for good: the reason says why
 };
 
 struct ClientStatus {

@@ -12,39 +12,6 @@
 
 namespace seaway::client {
 
-/// Of a client without threads: what is subscribed to again, waves and then tiles.
-struct Client::Again {
-    std::optional<Kept<SpectrumSubscription>::One> waves;
-    std::optional<Kept<Subscription>::One> tiles;
-    std::optional<Waiter> asked;
-    int rungs = 0; ///< that are done
-};
-
-template <class Kind>
-std::optional<typename Kept<Kind>::One> Client::ask_as_before(const Kept<Kind>& kept,
-                                                              std::optional<Waiter>& waiter) {
-    const std::scoped_lock asking(asking_);
-    std::unique_lock lock(mutex_);
-    const typename Kept<Kind>::One asked = kept.wanted_one();
-    lock.unlock();
-    if (!asked.wish)
-        return std::nullopt;
-    ask_for(*link(), *asked.wish, waiter.emplace());
-    return asked;
-}
-
-template <class Kind>
-Result<void> Client::take_again(Kept<Kind>& kept, const typename Kept<Kind>::One& asked,
-                                const Result<Reply>& reply) {
-    const auto had = granted(*asked.wish, reply);
-    const std::scoped_lock lock(asking_, mutex_);
-    if (had)
-        kept.granted(asked.serial, *asked.wish);
-    else if (had.error().is(Failure::refused)) // where it is lost it is asked for again
-        kept.failed(asked.serial, *asked.wish, had.error());
-    return had || kept.is_over(asked.serial) ? Result<void>() : had.error();
-}
-
 /// Keyframes are offered to it as they come, those around its times stay. For as long as it lives;
 /// Client::mutex_ guards it until its fetches are done.
 class Client::Wanted {

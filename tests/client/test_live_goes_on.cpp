@@ -18,7 +18,6 @@
 #include "client/staleness.h"
 #include "sea/basics/glide.h"
 #include "tests/client/announced_scene.h"
-#include "tests/client/slow_waves.h"
 #include "tests/client/wave_server.h"
 #include "tests/support/fault_proxy.h"
 
@@ -262,63 +261,6 @@ TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
     const sea::QueryPoint point{0, 0, 0};
     ASSERT_TRUE((*client)->ask({&point, 1}, {}));
     EXPECT_EQ(sea.fetches, fetches) << "a subscription begins with the keyframes around now";
-}
-
-/// Both rungs are subscribed to again, waves first, which are held back.
-struct OnTheWayBack {
-    tests::SlowWaves sea;
-    std::unique_ptr<server::NetServer> net = tests::serve(sea);
-    FaultProxy line{net->port()};
-    std::unique_ptr<Client> client;
-
-    explicit OnTheWayBack(bool threadless) {
-        auto connected = Client::connect(
-            {.url = "ws://127.0.0.1:" + std::to_string(line.port()), .threadless = threadless});
-        EXPECT_TRUE(connected) << connected.error().message;
-        client = std::move(*connected);
-        EXPECT_TRUE(client->subscribe({.fields = sea::surface_fields, .error_m = 0.25f}, 2, 30));
-        EXPECT_TRUE(client->subscribe_spectrum({}, 30));
-        const int before = sea.asked;
-        sea.held_back = true;
-        line.cut();
-        EXPECT_TRUE(until([&] { return sea.asked > before; })) << client->status().reason;
-    }
-    template <class Condition>
-    bool until(const Condition& condition) {
-        return eventually([&] {
-            if (client->threadless())
-                client->work_until(std::chrono::steady_clock::now(), [] { return true; });
-            return condition();
-        });
-    }
-    bool is_back() {
-        return until([&] { return client->status().state == LinkState::connected; });
-    }
-};
-
-// Naive: what was subscribed to is noted when the line is back, and asked for one after the other whatever comes between.
-TEST(OnTheWayBack, what_is_unsubscribed_from_is_not_asked_for_again) {
-    for (const bool threadless : {false, true}) {
-        OnTheWayBack way(threadless);
-        const int fetches = way.sea.fetches;
-        way.client->unsubscribe();
-        way.sea.held_back = false;
-        ASSERT_TRUE(way.is_back()) << way.client->status().reason;
-        const sea::QueryPoint point{0, 0, 0};
-        ASSERT_TRUE(way.client->ask({&point, 1}, {})) << "what was sent before has come";
-        EXPECT_EQ(way.sea.fetches, fetches) << "a subscription begins with one";
-        EXPECT_FALSE(way.client->grant());
-    }
-}
-
-TEST(OnTheWayBack, what_was_subscribed_to_last_is_what_comes) {
-    for (const bool threadless : {false, true}) {
-        OnTheWayBack way(threadless);
-        EXPECT_TRUE(way.client->subscribe({.fields = sea::surface_fields, .error_m = 0.5f}, 2, 30));
-        way.sea.held_back = false;
-        ASSERT_TRUE(way.is_back()) << way.client->status().reason;
-        EXPECT_EQ(way.sea.wished_error_m, 0.5f);
-    }
 }
 
 // The end may come before connect() has handed the client over: it is told once all the same.
