@@ -413,7 +413,7 @@ seaway_code seaway_poll(seaway_client* client, double timeout_s, seaway_event* e
 
 /* A file descriptor that is readable while seaway_poll has something, for poll and epoll: neither read nor close it. Of a client
  * without threads also while there is something to do for it: then one seaway_poll takes it up, though it may have nothing to tell. It
- * ends with the client. -1, and seaway_last_error: there is none. */
+ * ends with the client. -1, and seaway_last_error: there is none, now; poll() waits for nothing then, so give it 50 ms. */
 int seaway_poll_descriptor(seaway_client* client);
 
 #ifdef __cplusplus
