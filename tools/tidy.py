@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Lets clang-tidy look for bugs (.clang-tidy says which) in sources that are being changed.
 
-    tools/tidy.py BUILD_DIR [FILE ...]
+    tools/tidy.py BUILD_DIR [--all | FILE ...]
 
 Without files, what changed_files() finds: whoever writes a line hears of it at the next ./dev test, and
 so does whoever builds the commit or the branch. All of the project would take a quarter of an hour; name
-files to read them. Of more than FILES_MAX only some are read, spread over the list, and this is said.
-One version judges, as with the format; where it is not installed this says so and passes.
+files to read them. Of more than FILES_MAX only some are read, spread over the list, and this is said; with
+--all (./dev tidy) every one that has changed. One version judges, as with the format; where it is not
+installed this says so and passes.
 """
 import concurrent.futures
 import json
@@ -50,6 +51,11 @@ def changed_files(git=git):
     return paths + [path[:-2] + ".cpp" for path in paths if path.endswith(".h")]
 
 
+def spread(files):
+    """Of more than FILES_MAX some, as far apart from each other in the list."""
+    return files[::-(-len(files) // FILES_MAX) or 1]
+
+
 def without_precompiled(entry):
     """A line of compile_commands.json as clang understands it: GCC's precompiled headers are GCC's."""
     return {**entry, "command": re.sub(r" (-Winvalid-pch|-include \S+/cmake_pch\.hxx)(?= )", "", entry["command"])}
@@ -79,9 +85,9 @@ def main():
     database = json.loads((build / "compile_commands.json").read_text())
     entries = [source for entry in database for source in each_source(entry)]
     compiled = {os.path.relpath(entry["file"], ROOT) for entry in entries}
-    wanted = sorted(compiled & set(sys.argv[2:] or changed_files()))
-    step = -(-len(wanted) // FILES_MAX) if len(sys.argv) == 2 and wanted else 1
-    files = wanted[::step]
+    named = sys.argv[2:]
+    wanted = sorted(compiled & set(changed_files() if named in ([], ["--all"]) else named))
+    files = wanted if named else spread(wanted)
     read_from = build / "tidy"
     read_from.mkdir(exist_ok=True)
     (read_from / "compile_commands.json").write_text(json.dumps([*map(without_precompiled, entries)]))
@@ -90,7 +96,8 @@ def main():
     failed = [text for code, text in answers if code != 0]
     print(*failed, sep="\n", file=sys.stderr, end="")
     if not failed:
-        print(f"tidy: {len(files)} of {len(wanted)} changed sources, nothing suspicious")
+        more = "; ./dev tidy reads them all" if len(files) < len(wanted) else ""
+        print(f"tidy: {len(files)} of {len(wanted)} changed sources, nothing suspicious{more}")
     return 1 if failed else 0
 
 

@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
 """Which files tools/tidy.py lets clang-tidy read. Git is played: these are rules, and a machine without git
 tests them, too."""
+import contextlib
+import io
+import json
 import pathlib
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
 import tidy
@@ -52,6 +56,53 @@ class ChangedFiles(unittest.TestCase):
     def test_a_header_is_read_where_its_source_includes_it(self):
         git = repository("c3", "c3", "c2", {"c2": ["sea/a.h"]})
         self.assertIn("sea/a.cpp", tidy.changed_files(git))
+
+
+class Spread(unittest.TestCase):
+    def test_is_all_where_they_are_few(self):
+        for count in range(tidy.FILES_MAX + 1):
+            self.assertEqual(tidy.spread([*range(count)]), [*range(count)])
+
+    def test_is_some_from_one_end_to_the_other_where_they_are_many(self):
+        for count in range(tidy.FILES_MAX + 1, 200):
+            read = tidy.spread([*range(count)])
+            self.assertLessEqual(len(read), tidy.FILES_MAX)
+            self.assertLess(max(after - before for before, after in zip(read, [*read[1:], count])),
+                            2 * count / tidy.FILES_MAX)
+
+
+class WhatIsRead(unittest.TestCase):
+    """Of twenty changed sources, by the judge's calls."""
+
+    def read(self, *arguments):
+        with tempfile.TemporaryDirectory() as folder:
+            changed = [f"sea/{i:02}.cpp" for i in range(20)]
+            entries = [{"directory": folder, "file": str(tidy.ROOT / path), "command": f"c++ -c {path}"}
+                       for path in [*changed, "sea/same.cpp"]]
+            (pathlib.Path(folder) / "compile_commands.json").write_text(json.dumps(entries))
+            judged = []
+            with mock.patch.object(tidy.shutil, "which", return_value="/usr/bin/judge"), \
+                    mock.patch.object(tidy, "changed_files", return_value=changed), \
+                    mock.patch.object(tidy, "judge", side_effect=lambda build, path: judged.append(path) or (0, "")), \
+                    mock.patch.object(sys, "argv", ["tidy.py", folder, *arguments]), \
+                    contextlib.redirect_stdout(io.StringIO()) as said:
+                self.assertEqual(tidy.main(), 0)
+            return sorted(judged), said.getvalue()
+
+    def test_is_a_part_that_says_so(self):
+        judged, said = self.read()
+        self.assertEqual(judged, [f"sea/{i:02}.cpp" for i in range(0, 20, 3)])
+        self.assertIn("7 of 20", said)
+        self.assertIn("./dev tidy", said)
+
+    def test_is_every_changed_source_where_all_are_asked_for(self):
+        judged, said = self.read("--all")
+        self.assertEqual(judged, [f"sea/{i:02}.cpp" for i in range(20)])
+        self.assertIn("20 of 20", said)
+        self.assertNotIn("./dev tidy", said)
+
+    def test_is_what_is_named_changed_or_not(self):
+        self.assertEqual(self.read("sea/same.cpp", "sea/03.cpp")[0], ["sea/03.cpp", "sea/same.cpp"])
 
 
 class CompileCommands(unittest.TestCase):
