@@ -9,9 +9,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <sys/stat.h>
@@ -86,8 +89,22 @@ std::string refusal(const std::string& err) {
     return err.starts_with("seaway-") && colon != std::string::npos ? err.substr(colon + 2) : err;
 }
 
+/// What inspect says of a scene, asked once: three tests hold every case to it.
+const Output& inspected(const std::string& scene) {
+    static std::mutex mutex;
+    static std::map<std::string, Output> said;
+    {
+        const std::scoped_lock lock(mutex);
+        if (const auto known = said.find(scene); known != said.end())
+            return known->second;
+    }
+    Output output = run_program("seaway-inspect", scene);
+    const std::scoped_lock lock(mutex);
+    return said.emplace(scene, std::move(output)).first->second;
+}
+
 std::string inspects_refusal(const std::string& scene) {
-    return refusal(run_program("seaway-inspect", scene).err);
+    return refusal(inspected(scene).err);
 }
 
 TEST(OddScenes, each_gets_its_exit_status_and_one_line_of_its_words) {
@@ -98,7 +115,7 @@ TEST(OddScenes, each_gets_its_exit_status_and_one_line_of_its_words) {
         files += entry.path().extension() == ".toml";
     EXPECT_EQ(files, all.size()) << "a scene without a row, or a row without a scene";
     for_each_case([](const Case& c, const std::string& scene) {
-        const Output output = run_program("seaway-inspect", scene);
+        const Output& output = inspected(scene);
         expect_one_line(output, c);
         if (c.status != 0) {
             EXPECT_THAT(output.err, HasSubstr(c.name + ".toml:")) << "the place";
