@@ -265,7 +265,8 @@ TEST(Foam, every_legal_model_gives_finite_ratios_and_a_coverage_of_0_to_1) {
     const sea::RealizationPtr seas[] = {
         storm(), storm(0.0005), storm(0.3),
         tests::make_sea({storm()->cascades[0], tests::calm_cascade(37.0, 64)})};
-    for (const sea::RealizationPtr& sea : seas)
+    for (const sea::RealizationPtr& sea : seas) {
+        const sea::KeyframePtr strains[] = {Strains(sea, 0).at(0), Strains(sea, 1).at(0)};
         for (const double threshold : {-1.0, 0.0, 1.0})
             for (const double decay_s : {0.0, 1e-9, 4.0, 1e6})
                 for (const double gain_per_s : {0.0, 1e-9, 3.0, 1000.0})
@@ -277,8 +278,7 @@ TEST(Foam, every_legal_model_gives_finite_ratios_and_a_coverage_of_0_to_1) {
                         for (int c = 0; c < 2; ++c) {
                             const auto index = static_cast<std::size_t>(c);
                             FoamHistory history(law, c, 64, 2'000'000);
-                            Strains strains(sea, c);
-                            const sea::KeyframePtr one = strains.at(0);
+                            const sea::KeyframePtr& one = strains[index];
                             const auto same = [&](TimeUs) { return Result(one); };
                             ASSERT_TRUE(history.advance_to(5'000'000, same));
                             for (const float ratio : history.ratios()) {
@@ -290,6 +290,7 @@ TEST(Foam, every_legal_model_gives_finite_ratios_and_a_coverage_of_0_to_1) {
                             }
                         }
                     }
+    }
 }
 
 // A history of 512 ticks of 0.2 s holds ten decay times of 10.24 s at most. A longer decay averages over

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -48,19 +50,32 @@ double worst_error(std::span<const float> map, std::span<const double> truth, st
 // such errors is five times their rms: 1.5e-6 rms, 4e-7 of 4 rms. The bound leaves a factor of two.
 constexpr double tolerance = 1e-6;
 
-class EverySize : public testing::TestWithParam<TransformCase> {};
+class EverySize : public testing::TestWithParam<TransformCase> {
+  protected:
+    static constexpr TimeUs sampled_us = 12'340'000;
+    static CascadeModes modes_of(int size) { return random_modes(size, size, 1); }
+    /// All points of the small maps, 8 rows of the large ones: the sum costs N^2 per row.
+    static std::size_t stride_of(int size) {
+        return size <= 64 ? 1 : static_cast<std::size_t>(size) / 8;
+    }
+    /// Summed once for all instruction sets.
+    static const std::vector<double>& truth_of(int size, Field field) {
+        static std::map<std::pair<int, Field>, std::vector<double>> sums;
+        std::vector<double>& sum = sums[{size, field}];
+        if (sum.empty())
+            sum = double_sum(modes_of(size), field, sampled_us, stride_of(size));
+        return sum;
+    }
+};
 
 TEST_P(EverySize, fields_equal_the_double_sum) {
     const auto [instructions, size] = GetParam();
-    const CascadeModes modes = random_modes(size, size, 1);
     constexpr FieldSet fields = linear_fields;
-    const TimeUs t_us = 12'340'000;
-    const std::vector<float> planes = synthesize(modes, fields, t_us, instructions);
+    const std::vector<float> planes = synthesize(modes_of(size), fields, sampled_us, instructions);
     const auto n = static_cast<std::size_t>(size);
-    // All points of the small maps, 8 rows of the large ones: the sum costs N^2 per row.
-    const std::size_t stride = size <= 64 ? 1 : n / 8;
+    const std::size_t stride = stride_of(size);
     for (Field field : fields) {
-        const auto truth = double_sum(modes, field, t_us, stride);
+        const std::vector<double>& truth = truth_of(size, field);
         const auto map = std::span(planes).subspan(
             static_cast<std::size_t>(fields.index_of(field)) * n * n, n * n);
         EXPECT_LT(worst_error(map, truth, n, stride), tolerance) << info(field).name;

@@ -400,7 +400,7 @@ TEST(PointKernel, windows_leave_few_places_of_a_gale_open_at_any_time_between_ke
     };
     Result<Scene> gale = read_scene(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
     ASSERT_TRUE(gale);
-    EXPECT_LT(open_of_100_000(HeldScene::of(gale)), 200);
+    EXPECT_LT(open_of_100_000(HeldScene::file("north_sea_gale")), 200);
     gale->cascades = accuracy_of(AccuracyPreset::fast).cascades;
     EXPECT_LT(open_of_100_000(HeldScene::of(gale)), 2500);
 }

@@ -231,10 +231,10 @@ TEST(QuantisedSpectrum, is_as_good_as_wanted_of_every_narrow_swell) {
     int two_layers = 0;
     for (const double period_s : {4.0, 6.0, 9.0})
         for (const double height_m : {0.3, 0.5, 1.0})
-            for (const double exponent : {5.0, 30.0})
+            for (const double exponent : {5.0, 30.0}) {
+                const SeaState state = swell_sea(height_m, period_s, 0.3, exponent);
+                const RealizationPtr sea = realized(state, {{700.0, 256}, {90.0, 128}});
                 for (const double wanted_m : {0.02, 0.05, 0.15, 0.3}) {
-                    const SeaState state = swell_sea(height_m, period_s, 0.3, exponent);
-                    const RealizationPtr sea = realized(state, {{700.0, 256}, {90.0, 128}});
                     const QuantisedSpectrum waves = quantise(*sea, {wanted_m, 0.005});
                     const SpectrumLeft left = difference(*sea, rebuilt(*sea, state, waves));
                     expect_near(waves.left.back(), left);
@@ -243,6 +243,7 @@ TEST(QuantisedSpectrum, is_as_good_as_wanted_of_every_narrow_swell) {
                     EXPECT_LE(spectrum_sigmas * left.slope, 0.005);
                     two_layers += waves.blocks.front().shift > 0;
                 }
+            }
     EXPECT_GT(two_layers, 0);
 }
 

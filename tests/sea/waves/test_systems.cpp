@@ -85,11 +85,11 @@ TEST(Measured, maximum_entropy_keeps_all_four_coefficients_and_is_nowhere_negati
             std::complex<double> m0, m1, m2;
             const int n = 200000; // trapezoid on a circle converges exponentially
             for (int i = 0; i < n; ++i) {
-                const double phi = two_pi * i / n;
-                ASSERT_GE(d(phi), 0.0);
-                m0 += d(phi) * two_pi / n;
-                m1 += std::polar(d(phi) * two_pi / n, phi);
-                m2 += std::polar(d(phi) * two_pi / n, 2 * phi);
+                const double phi = two_pi * i / n, density = d(phi);
+                ASSERT_GE(density, 0.0);
+                m0 += density * two_pi / n;
+                m1 += std::polar(density * two_pi / n, phi);
+                m2 += std::polar(density * two_pi / n, 2 * phi);
             }
             EXPECT_NEAR(std::abs(m0 - 1.0), 0.0, 1e-9);
             EXPECT_NEAR(std::abs(m1 - c1), 0.0, 1e-9);
