@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # The realised sea and its exact sum are the same bits whatever the compiler and its level: compiles what makes it with
-# each compiler, contraction off, and compares the printed hashes with that of the build's own library.
+# each compiler, contraction off, and compares the printed hashes with that of the build's own library. What was compiled
+# of the same sources by the same compiler before is run again, not compiled again: that takes most of a minute.
 #   same_bits.sh SOURCE_DIR WORK_DIR PROGRAM COMPILER:LEVEL...
 set -eu
 source_dir=$1
@@ -15,12 +16,30 @@ cd "$source_dir"
 # goes to headers that all of them read.
 sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp base/instructions.cpp base/messages.cpp base/standard_files.cpp base/text_file.cpp
   $(ls sea/basics/*.cpp sea/spectrum/*.cpp sea/waves/*.cpp)"
-for source in $sources; do printf '#include "%s"\n' "$source"; done >"$work_dir/all.cpp"
+for source in $sources; do printf '#include "%s"\n' "$source"; done >"$work_dir/all.new"
+cmp -s "$work_dir/all.new" "$work_dir/all.cpp" || mv "$work_dir/all.new" "$work_dir/all.cpp"
+
+# Whether a program was made this way and nothing that it was made of is newer, or gone.
+is_current() { # PROGRAM HOW
+    # shellcheck disable=SC2046
+    [ -x "$1" ] && [ -s "$1.d" ] && [ "$(cat "$1.how" 2>&1)" = "$2" ] &&
+        [ -z "$(find -L $(sed -e 's/^[^:]*://' -e 's/\\$//' "$1.d") -newer "$1" 2>&1)" ]
+}
+
 printf 'as built %s' "$hashes"
 for how in "$@"; do
     compiler=${how%:*} level=${how##*:}
     program=$work_dir/hash$level-$(basename "$compiler")
-    $compiler -std=c++20 $level -ffp-contract=off -Wno-psabi -I. "$work_dir/all.cpp" -o "$program" -lfmt
+    set -- "$compiler" -std=c++20 "$level" -ffp-contract=off -Wno-psabi -I. "$work_dir/all.cpp" -lfmt
+    made="$*
+$("$compiler" --version)"
+    if ! is_current "$program" "$made"; then
+        rm -f "$program.how"
+        touch "$program.begun"
+        "$@" -MD -MF "$program.d" -o "$program"
+        touch -r "$program.begun" "$program" # what changes meanwhile is newer
+        printf '%s\n' "$made" >"$program.how"
+    fi
     hash=$("$program")
     echo "$compiler $level $hash"
     hashes="$hashes$hash
