@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/server/device/random_sea.h"
 
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <random>
 
+#include "base/check.h"
 #include "tests/support/field_law.h"
 
 namespace seaway::server {
@@ -14,12 +16,17 @@ namespace {
 constexpr double two_pi = 2 * std::numbers::pi;
 using Complex = std::complex<double>;
 
+/// The remainder, of what is negative, too: sizes are powers of two.
+std::size_t around(int n, int size) {
+    return static_cast<std::size_t>(n & (size - 1));
+}
+
 std::size_t slot(int nx, int ny, int size) {
-    return static_cast<std::size_t>((ny + size) % size) * static_cast<std::size_t>(size) +
-           static_cast<std::size_t>((nx + size) % size);
+    return around(ny, size) * static_cast<std::size_t>(size) + around(nx, size);
 }
 
 sea::CascadeModes empty(int size, double length_m) {
+    SEAWAY_CHECK(std::has_single_bit(static_cast<unsigned>(size)), "sizes are powers of two");
     const std::size_t points = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
     sea::CascadeModes cascade{.spec = {length_m, size},
                               .band = {0, 0.6 * std::numbers::pi * size / length_m},
@@ -68,46 +75,55 @@ OneWave::OneWave(int size, double length_m, int nx, int ny, double amplitude_m, 
     realization_->cascades.push_back(std::move(cascade));
 }
 
-FieldSum::FieldSum(const sea::CascadeModes& cascade, sea::Field field, sea::TimeUs time_us)
-    : size_(cascade.spec.size) {
-    for (int i = 0; i < size_; ++i)
-        unit_.push_back(std::polar(1.0, two_pi * i / size_));
+FieldSums::FieldSums(const sea::CascadeModes& cascade, sea::FieldSet fields, sea::TimeUs time_us,
+                     std::span<const GridNode> nodes) {
+    const int size = cascade.spec.size;
+    SEAWAY_CHECK(std::has_single_bit(static_cast<unsigned>(size)), "sizes are powers of two");
+    Turns turns;
+    for (int i = 0; i < size; ++i)
+        turns.of_node.push_back(std::polar(1.0, two_pi * i / size));
+    turns.of_time.resize(cascade.h0.size());
+    for (std::size_t i = 0; i < cascade.h0.size(); ++i)
+        if (cascade.h0[i] != 0.0)
+            turns.of_time[i] = std::polar(1.0, -sea::phase_rad(cascade.rate[i], time_us));
+    for (const sea::Field field : fields)
+        sums_[static_cast<std::size_t>(field)] = sum_of(cascade, field, turns, nodes);
+}
+
+FieldSums::Sum FieldSums::sum_of(const sea::CascadeModes& cascade, sea::Field field,
+                                 const Turns& turns, std::span<const GridNode> nodes) {
+    const int size = cascade.spec.size;
+    Sum sum{std::vector<double>(nodes.size()), 0};
     // A wave h0 exp(i (k.x - w t)) and its mirror, its conjugate, are twice its real part. Waves
     // with wavenumbers k and -k stand on each other: their energy is that of the sum.
     std::vector<Complex> standing(cascade.h0.size());
-    for (int ny = -size_ / 2; ny < size_ / 2; ++ny)
-        for (int nx = -size_ / 2; nx < size_ / 2; ++nx) {
-            const std::size_t at = slot(nx, ny, size_);
+    for (int ny = -size / 2; ny < size / 2; ++ny)
+        for (int nx = -size / 2; nx < size / 2; ++nx) {
+            const std::size_t at = slot(nx, ny, size);
             if (cascade.h0[at] == 0.0)
                 continue;
             const double dk = cascade.spec.wavenumber_step_radpm();
             Complex m = tests::of_wave(field, nx * dk, ny * dk, cascade.depth_m);
             if (tests::is_rate(field))
                 m *= Complex(0, -sea::omega_from_rate(cascade.rate[at]));
-            const Complex now = 2.0 * m * cascade.h0[at] *
-                                std::polar(1.0, -sea::phase_rad(cascade.rate[at], time_us));
-            modes_.push_back({nx, ny, now});
+            const Complex now = 2.0 * m * cascade.h0[at] * turns.of_time[at];
+            for (std::size_t i = 0; i < nodes.size(); ++i) {
+                const Complex& unit =
+                    turns.of_node[around(nx * nodes[i].first + ny * nodes[i].second, size)];
+                sum.at[i] += now.real() * unit.real() - now.imag() * unit.imag();
+            }
             standing[at] += now / 2.0;
-            standing[slot(-nx, -ny, size_)] += std::conj(now) / 2.0;
+            standing[slot(-nx, -ny, size)] += std::conj(now) / 2.0;
         }
     for (const Complex& h : standing)
-        rms_ += std::norm(h);
-    rms_ = std::sqrt(rms_);
-}
-
-double FieldSum::at(int x, int y) const {
-    double sum = 0;
-    for (const Mode& mode : modes_) {
-        const int turns = ((mode.nx * x + mode.ny * y) % size_ + size_) % size_;
-        const Complex& unit = unit_[static_cast<std::size_t>(turns)];
-        sum += mode.amplitude.real() * unit.real() - mode.amplitude.imag() * unit.imag();
-    }
+        sum.rms += std::norm(h);
+    sum.rms = std::sqrt(sum.rms);
     return sum;
 }
 
-std::vector<std::pair<int, int>> random_nodes(int size, int count) {
+std::vector<GridNode> random_nodes(int size, int count) {
     std::mt19937 engine(99);
-    std::vector<std::pair<int, int>> nodes;
+    std::vector<GridNode> nodes;
     const auto draw = [&] { return static_cast<int>(engine() % static_cast<unsigned>(size)); };
     for (int i = 0; i < count; ++i) {
         const int x = draw();

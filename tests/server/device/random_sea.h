@@ -3,8 +3,10 @@
 // of synthesizers.
 #pragma once
 
+#include <array>
 #include <complex>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -37,30 +39,44 @@ class OneWave {
     std::shared_ptr<sea::Realization> realization_;
 };
 
-/// One field of one cascade at one time, mode by mode in double.
-class FieldSum {
+/// A node of a grid: x, y.
+using GridNode = std::pair<int, int>;
+
+/// Fields of one cascade at one time and at some grid nodes, mode by mode in double.
+class FieldSums {
   public:
-    FieldSum(const sea::CascadeModes& cascade, sea::Field field, sea::TimeUs time_us);
-    double at(int x, int y) const; ///< at a grid node
-    double rms() const { return rms_; }
+    FieldSums(const sea::CascadeModes& cascade, sea::FieldSet fields, sea::TimeUs time_us,
+              std::span<const GridNode> nodes = {});
+    /// At the node of this number.
+    double at(sea::Field field, std::size_t node) const { return of(field).at[node]; }
+    double rms(sea::Field field) const { return of(field).rms; } ///< over the tile, exact
 
   private:
-    struct Mode {
-        int nx, ny;
-        std::complex<double> amplitude;
+    struct Sum {
+        std::vector<double> at;
+        double rms = 0;
     };
-    int size_;
-    std::vector<Mode> modes_;
-    std::vector<std::complex<double>> unit_; ///< exp(2 pi i n / size)
-    double rms_ = 0;                         ///< over the tile, exact
+    /// What all fields have in common, and is looked up for each of them.
+    struct Turns {
+        std::vector<std::complex<double>> of_node; ///< exp(2 pi i n / size)
+        std::vector<std::complex<double>> of_time; ///< [mode]: exp(-i w t)
+    };
+    static Sum sum_of(const sea::CascadeModes& cascade, sea::Field field, const Turns& turns,
+                      std::span<const GridNode> nodes);
+    const Sum& of(sea::Field field) const { return sums_[static_cast<std::size_t>(field)]; }
+
+    std::array<Sum, sea::field_count> sums_; ///< of fields that were not asked for: empty
 };
 
 /// The same nodes at every call.
-std::vector<std::pair<int, int>> random_nodes(int size, int count);
+std::vector<GridNode> random_nodes(int size, int count);
 
 inline std::size_t node(const sea::Keyframe& map, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(map.size) +
            static_cast<std::size_t>(x);
+}
+inline std::size_t node(const sea::Keyframe& map, const GridNode& at) {
+    return node(map, at.first, at.second);
 }
 
 } // namespace seaway::server
