@@ -15,7 +15,8 @@ inline bool reads_in_place(const Device& device) {
 }
 
 inline bool reads_in_place() {
-    return reads_in_place(*Device::create({}).value());
+    static const bool reads = reads_in_place(*Device::create({}).value());
+    return reads;
 }
 
 inline constexpr const char* not_in_place = "a processor does not read this GPU's memory in place";

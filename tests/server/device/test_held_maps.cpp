@@ -13,6 +13,7 @@
 #include "server/device/spare_buffers.h"
 #include "server/device/vulkan_maps.h"
 #include "server/device/vulkan_synthesizer.h"
+#include "tests/gpu/held_drivers.h"
 #include "tests/gpu/read_in_place.h"
 #include "tests/server/device/random_sea.h"
 
@@ -125,7 +126,7 @@ TEST_F(HeldMaps, a_run_that_fails_holds_nothing) {
 
 // Naive: what a flood has touched of a pool of 128 MB is held for good, where the device's memory is the process's.
 TEST_F(HeldMaps, pages_that_nobody_needs_any_more_go_back_and_what_is_held_stays) {
-    const bool own = gpu::Device::create({}).value()->info().is_cpu();
+    const bool own = gpu::tested_device_info().is_cpu();
     make(9);
     sea::KeyframePtr kept = keyframe(0), flood = keyframe(second_us);
     const sea::KeyframePtr last = keyframe(2 * second_us);
@@ -151,7 +152,7 @@ TEST_F(HeldMaps, pages_that_nobody_needs_any_more_go_back_and_what_is_held_stays
 
 // Naive: memory between the passes is held as the largest keyframe touched it.
 TEST_F(HeldMaps, what_stood_between_the_passes_of_a_large_keyframe_goes_back_too) {
-    const bool own = gpu::Device::create({}).value()->info().is_cpu();
+    const bool own = gpu::tested_device_info().is_cpu();
     const RandomSea large(512, 1600.0, 1);
     device_ = make_vulkan_synthesizer({.validation = true}).value();
     ASSERT_TRUE(device_->set_sea(large.realization(), 1));

@@ -11,6 +11,7 @@
 #include "base/worse.h"
 #include "gpu/call.h"
 #include "server/device/vulkan_synthesizer.h"
+#include "tests/gpu/held_drivers.h"
 #include "tests/gpu/read_in_place.h"
 #include "tests/server/device/random_sea.h"
 

@@ -8,6 +8,7 @@
 #include "gpu/call.h"
 #include "gpu/instance.h"
 #include "server/device/vulkan_synthesizer.h"
+#include "tests/gpu/held_drivers.h"
 #include "tests/server/device/random_sea.h"
 
 namespace seaway::server {
@@ -58,13 +59,7 @@ struct Fault {
 
 class VulkanFaults : public testing::TestWithParam<Fault> {
   protected:
-    /// Drivers are loaded as long as anybody has an instance: to load them anew for each of 700 devices took a third of the time.
-    static void SetUpTestSuite() { holds_drivers_ = *gpu::Instance::create(true, {}); }
-    static void TearDownTestSuite() { holds_drivers_.reset(); }
     void TearDown() override { gpu::fault::disarm(); }
-
-  private:
-    static inline std::unique_ptr<gpu::Instance> holds_drivers_;
 };
 INSTANTIATE_TEST_SUITE_P(
     Results, VulkanFaults,
@@ -109,7 +104,6 @@ TEST_P(VulkanFaults, any_call_that_fails_is_an_error_that_names_it_and_leaks_not
 TEST(VulkanFaultsOnce,
      where_memory_is_lacking_runs_go_one_by_one_or_are_refused_and_the_device_goes_on) {
     const RandomSea random(64, 200.0, 3);
-    const auto driver = *gpu::Instance::create(false, {});
     const float coarse = 1e-3f;
     const KeyframeRequest requests[] = {
         {0, 0, {sea::Field::height}},

@@ -16,6 +16,7 @@
 #include "server/device/vulkan_check.h"
 #include "server/device/vulkan_fields.h"
 #include "server/device/vulkan_foam.h"
+#include "tests/gpu/held_drivers.h"
 #include "tests/server/device/random_sea.h"
 
 namespace seaway::server {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/worse.h"
+#include "tests/gpu/held_drivers.h"
 #include "tests/server/device/random_sea.h"
 
 namespace seaway::server {
@@ -96,9 +97,10 @@ class AllKernels : public VulkanSynthesizerTest, public testing::WithParamInterf
     void TearDown() override {
         VulkanSynthesizerTest::TearDown();
         const Variant& v = GetParam();
-        const gpu::DeviceInfo info = gpu::Device::create({}).value()->info();
         const std::string first(
-            fitting_transforms(info, v.size, v.share_of_nyquist < 1).front()->design);
+            fitting_transforms(gpu::tested_device_info(), v.size, v.share_of_nyquist < 1)
+                .front()
+                ->design);
         EXPECT_THAT(synthesizer_->description(),
                     HasSubstr(" " + (v.options.any_device_kernels ? "W" : first) + ":" +
                               std::to_string(v.size)));
