@@ -112,10 +112,12 @@ TEST(TransferFamily, is_one_that_copies_and_does_nothing_else) {
 TEST_F(DeviceTest,
        a_copy_of_the_transfer_queue_follows_what_it_waits_for_and_has_tickets_of_its_own) {
     constexpr std::size_t bytes = 1 << 20;
-    Buffer from = Buffer::create(*device_, "from", bytes, BufferKind::device).value();
-    Buffer to = Buffer::create(*device_, "to", bytes, BufferKind::readback).value();
-    Commands writes = Commands::create(*device_).value(), more = Commands::create(*device_).value();
-    Commands copies = Commands::create(*device_, Queue::transfer).value();
+    // Of its own, whose tickets begin.
+    const std::unique_ptr<Device> device = Device::create({.validation = true}).value();
+    Buffer from = Buffer::create(*device, "from", bytes, BufferKind::device).value();
+    Buffer to = Buffer::create(*device, "to", bytes, BufferKind::readback).value();
+    Commands writes = Commands::create(*device).value(), more = Commands::create(*device).value();
+    Commands copies = Commands::create(*device, Queue::transfer).value();
     std::uint64_t copied = 0;
     for (const std::uint32_t word : {0x01020304u, 0xfedcba98u}) {
         ASSERT_TRUE(writes.begin());
@@ -127,14 +129,15 @@ TEST_F(DeviceTest,
         ASSERT_TRUE(copies.end());
         ASSERT_TRUE(more.begin());
         ASSERT_TRUE(more.end());
-        const std::uint64_t written = device_->submit(writes).value();
-        const std::uint64_t ticket = device_->submit_transfer(copies, written).value();
+        const std::uint64_t written = device->submit(writes).value();
+        const std::uint64_t ticket = device->submit_transfer(copies, written).value();
         EXPECT_EQ(ticket, ++copied);
-        EXPECT_TRUE(device_->wait(device_->submit(more).value()));
-        ASSERT_TRUE(device_->wait_transfer(ticket));
+        EXPECT_TRUE(device->wait(device->submit(more).value()));
+        ASSERT_TRUE(device->wait_transfer(ticket));
         EXPECT_EQ(std::ranges::count(to.mapped_as<std::uint32_t>(), word),
                   static_cast<std::ptrdiff_t>(bytes / sizeof(word)));
     }
+    expect_no_messages(device->validation());
 }
 
 TEST(ListDevices, finds_one_that_can_be_used) {

@@ -78,24 +78,22 @@ class DeviceSeaTest : public gpu::DeviceTest {
         gpu::DeviceTest::SetUp();
         make({});
     }
+    gpu::Device& device() { return staged_ ? *staged_ : *device_; }
     void make(const DeviceSeaOptions& options) {
-        Result<DeviceSea> made = DeviceSea::create(*device_, options);
+        Result<DeviceSea> made = DeviceSea::create(device(), options);
         ASSERT_TRUE(made) << made.error().message;
         sea_ = std::move(*made);
         Result<gpu::Buffer> values = gpu::Buffer::create(
-            *device_, "values", sizeof(shaders::ViewValues), gpu::BufferKind::upload);
+            device(), "values", sizeof(shaders::ViewValues), gpu::BufferKind::upload);
         ASSERT_TRUE(values) << values.error().message;
         values_ = std::move(*values);
     }
     /// Copies go through staging buffers there.
     void on_a_device_with_memory_of_its_own() {
-        sea_ = {};
-        values_ = {};
-        device_.reset();
         Result<std::unique_ptr<gpu::Device>> staged =
             gpu::Device::create({.validation = true, .staged = true});
         ASSERT_TRUE(staged) << staged.error().message;
-        device_ = std::move(*staged);
+        staged_ = std::move(*staged);
         make({});
     }
     Maps maps_of(const SeaFrame& frame, const glm::dvec2& camera_m = {0, 0}) {
@@ -105,22 +103,25 @@ class DeviceSeaTest : public gpu::DeviceTest {
         sea_.describe(frame, camera_m, maps.values);
         std::memcpy(values_.mapped().data(), &maps.values, sizeof maps.values);
         const Result<void> ran = gpu::run_once(
-            *device_, [&](gpu::Commands& commands) { sea_.record(commands, values_); });
+            device(), [&](gpu::Commands& commands) { sea_.record(commands, values_); });
         EXPECT_TRUE(ran) << ran.error().message;
         maps.displacements.resize(sea_.displacement_buffer().size_bytes() / sizeof(float));
         maps.gradients.resize(sea_.gradient_buffer().size_bytes() / sizeof(std::uint32_t));
-        EXPECT_TRUE(gpu::download(*device_, sea_.displacement_buffer(),
+        EXPECT_TRUE(gpu::download(device(), sea_.displacement_buffer(),
                                   std::as_writable_bytes(std::span(maps.displacements))));
-        EXPECT_TRUE(gpu::download(*device_, sea_.gradient_buffer(),
+        EXPECT_TRUE(gpu::download(device(), sea_.gradient_buffer(),
                                   std::as_writable_bytes(std::span(maps.gradients))));
         return maps;
     }
     void TearDown() override {
         sea_ = {};
         values_ = {};
+        if (staged_)
+            expect_no_messages(staged_->validation());
         gpu::DeviceTest::TearDown();
     }
 
+    std::unique_ptr<gpu::Device> staged_; ///< of the tests that need one
     DeviceSea sea_;
     gpu::Buffer values_;
 };
