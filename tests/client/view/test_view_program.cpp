@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
 
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -137,17 +138,20 @@ TEST(ViewProgram, draws_frames_from_streamed_tiles_at_the_height_of_the_true_sea
     }
 }
 
-/// Numbers to a PNG, by the same last pass.
-bool develop(const Picture& picture, const Display& display, const std::string& path) {
-    const auto device = gpu::Device::create({});
-    if (!device)
-        return false;
-    Result<Renderer> renderer = Renderer::create(**device, picture.width, picture.height);
-    if (!renderer)
-        return false;
-    const Result<ShownPicture> shown = renderer->develop(picture, display);
-    return shown && write_png(*shown, path);
-}
+/// Numbers to a PNG, by the same last pass: of pictures of one size.
+class Developer {
+  public:
+    Developer(int width, int height)
+        : renderer_(Renderer::create(*device_, width, height).value()) {}
+    bool develop(const Picture& picture, const Display& display, const std::string& path) {
+        const Result<ShownPicture> shown = renderer_.develop(picture, display);
+        return shown && write_png(*shown, path);
+    }
+
+  private:
+    const std::unique_ptr<gpu::Device> device_ = gpu::Device::create({}).value();
+    Renderer renderer_;
+};
 
 // A film does not flicker: what the first frame was metered at serves all, however another is lit.
 TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
@@ -161,6 +165,7 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
     ASSERT_EQ(run(film + "/##.exr").status, 0);
     ASSERT_EQ(run(film + "/##.png").status, 0);
     const double white = Sky(sun_direction(16.5)).white_radiance();
+    Developer developer(64, 48);
     double first = 0;
     for (int frame = 0; frame < 4; ++frame) {
         const std::string name = (folder / ("0" + std::to_string(frame))).string();
@@ -169,7 +174,7 @@ TEST(ViewProgram, a_film_is_exposed_as_its_first_frame) {
         first = frame == 0 ? own : first;
         const auto expected = [&](double exposure) {
             const std::string path = tests::folder().file("expected.png");
-            EXPECT_TRUE(develop(radiance, {DebugView::final, exposure, 1}, path));
+            EXPECT_TRUE(developer.develop(radiance, {DebugView::final, exposure, 1}, path));
             return tests::read_file(path);
         };
         EXPECT_EQ(tests::read_file(name + ".png") == expected(first), true) << frame;
@@ -245,7 +250,8 @@ TEST(ViewProgram, a_picture_of_heights_has_the_scale_of_its_sea) {
     const double hs_m = frame->significant_height_m;
     EXPECT_NEAR(hs_m, 4 * std::sqrt(0.5 * (0.64 + 0.09 + 0.0016 + 0.0009)), 0.02);
     const std::string expected = tests::folder().file("expected_heights.png");
-    ASSERT_TRUE(develop(read_exr(path + ".exr", 64, 48), {DebugView::height, 1, hs_m}, expected));
+    ASSERT_TRUE(Developer(64, 48).develop(read_exr(path + ".exr", 64, 48),
+                                          {DebugView::height, 1, hs_m}, expected));
     EXPECT_EQ(tests::read_file(path + ".png") == tests::read_file(expected), true);
 }
 
