@@ -13,7 +13,7 @@
 #include "local/local_sea.h"
 #include "server/device/native_synthesizer.h"
 #include "server/simulation/schedule.h"
-#include "tests/gpu/device_for_tests.h"
+#include "tests/gpu/held_drivers.h"
 #include "tests/gpu/read_in_place.h"
 #include "tests/local/local_scenes.h"
 
@@ -109,7 +109,11 @@ class LocalSeaTest : public testing::TestWithParam<bool> {
     }
 
     std::shared_ptr<gpu::Device> device_;
-    client::Sky sky_{client::sun_direction(15)};
+    static const client::Sky& afternoon() {
+        static const client::Sky sky(client::sun_direction(15));
+        return sky;
+    }
+    const client::Sky& sky_ = afternoon();
 };
 INSTANTIATE_TEST_SUITE_P(Memory, LocalSeaTest, testing::Bool(), [](const auto& staged) {
     return staged.param ? "that_the_cpu_cannot_see" : "in_place";

@@ -29,6 +29,11 @@ inline const Sky& sky_at_hour(double hour) {
 
 class RendererTest : public gpu::DeviceTest {
   protected:
+    static void TearDownTestSuite() {
+        renderers_.clear();
+        gpu::DeviceTest::TearDownTestSuite();
+    }
+
     Camera camera_{.z_m = 14, .yaw_deg = 40, .pitch_deg = -6, .width = 240, .height = 136};
 
     Picture render(const SeaFrame& frame, const Sky& sky, DebugView view = DebugView::final,
@@ -37,16 +42,18 @@ class RendererTest : public gpu::DeviceTest {
         EXPECT_TRUE(picture) << picture.error().message;
         return std::move(*picture);
     }
-    /// One for all pictures of a test that are as large and made alike: no picture remembers the last (decision 0026), but
-    /// the light of a sky is, which takes longer to make than the picture.
     Renderer& renderer_for(const RenderOptions& options) {
+        return renderer_of(camera_.width, camera_.height, options);
+    }
+    /// One for all pictures of a suite that are as large and made alike: no picture remembers the last (decision 0026), but
+    /// the light of a sky is, which takes longer to make than the picture, and so do pipelines.
+    static Renderer& renderer_of(int width, int height, const RenderOptions& options) {
         for (Kept& kept : renderers_)
-            if (kept.width == camera_.width && kept.height == camera_.height &&
-                kept.options == options)
+            if (kept.width == width && kept.height == height && kept.options == options)
                 return kept.renderer;
-        Result<Renderer> made = Renderer::create(*device_, camera_.width, camera_.height, options);
+        Result<Renderer> made = Renderer::create(*device_, width, height, options);
         EXPECT_TRUE(made) << made.error().message;
-        renderers_.push_back({camera_.width, camera_.height, options, std::move(*made)});
+        renderers_.push_back({width, height, options, std::move(*made)});
         return renderers_.back().renderer;
     }
     glm::dvec3 ray(int x, int y) const {
@@ -58,11 +65,14 @@ class RendererTest : public gpu::DeviceTest {
         const glm::dvec3 through = ray(x, y);
         return glm::length(seen - through * glm::dot(seen, through));
     }
-    SyntheticSea gale() {
-        const Result<sea::Scene> scene =
-            sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
-        EXPECT_TRUE(scene) << scene.error().message;
-        return SyntheticSea(*sea::realize(*scene));
+    static SyntheticSea gale() {
+        static const sea::RealizationPtr made = [] {
+            const Result<sea::Scene> scene =
+                sea::read_scene(SEAWAY_SOURCE_DIR "/scenes/north_sea_gale.toml");
+            EXPECT_TRUE(scene) << scene.error().message;
+            return std::make_shared<const sea::Realization>(*sea::realize(*scene));
+        }();
+        return SyntheticSea(made);
     }
 
     struct Kept {
@@ -70,7 +80,7 @@ class RendererTest : public gpu::DeviceTest {
         RenderOptions options;
         Renderer renderer;
     };
-    std::list<Kept> renderers_; ///< gone before the device
+    static inline std::list<Kept> renderers_; ///< gone before the device
 };
 
 inline double luminance(const float* pixel) {

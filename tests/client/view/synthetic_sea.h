@@ -18,9 +18,10 @@ namespace seaway::client {
 
 class SyntheticSea {
   public:
-    explicit SyntheticSea(sea::Realization sea, double height_error_m = 0.01)
-        : sea_(std::make_shared<const sea::Realization>(std::move(sea))),
-          budget_(sea::plan_budget(*sea_, height_error_m)) {}
+    explicit SyntheticSea(sea::RealizationPtr sea, double height_error_m = 0.01)
+        : sea_(std::move(sea)), budget_(sea::plan_budget(*sea_, height_error_m)) {}
+    explicit SyntheticSea(sea::Realization sea)
+        : SyntheticSea(std::make_shared<const sea::Realization>(std::move(sea))) {}
 
     SeaFrame at(sea::TimeUs time_us) {
         SeaFrame frame;
@@ -78,7 +79,7 @@ class SyntheticSea {
         return std::make_shared<const sea::SplineMap>(keyframe);
     }
 
-    std::shared_ptr<const sea::Realization> sea_;
+    sea::RealizationPtr sea_;
     sea::ErrorBudget budget_;
     sea::NativeRunner runner_;
 };

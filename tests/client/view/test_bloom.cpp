@@ -64,10 +64,9 @@ class BloomTest : public RendererTest {
     }
     ShownPicture developed(const Picture& picture, const Display& display,
                            const Quality& quality = quality_table[quality_high]) {
-        Result<Renderer> renderer =
-            Renderer::create(*device_, picture.width, picture.height, {.quality = quality});
-        EXPECT_TRUE(renderer) << renderer.error().message;
-        Result<ShownPicture> shown = renderer->develop(picture, display);
+        Result<ShownPicture> shown =
+            renderer_of(picture.width, picture.height, {.quality = quality})
+                .develop(picture, display);
         EXPECT_TRUE(shown) << shown.error().message;
         return std::move(*shown);
     }

@@ -13,9 +13,8 @@ class FilmTest : public RendererTest {
   protected:
     /// [y][x][rgb]
     std::vector<std::uint8_t> bytes_of(const Picture& picture, const Display& display) {
-        Result<Renderer> renderer = Renderer::create(*device_, picture.width, picture.height);
-        EXPECT_TRUE(renderer) << renderer.error().message;
-        const Result<ShownPicture> shown = renderer->develop(picture, display);
+        const Result<ShownPicture> shown =
+            renderer_of(picture.width, picture.height, {}).develop(picture, display);
         EXPECT_TRUE(shown) << shown.error().message;
         std::vector<std::uint8_t> bytes;
         for (std::size_t i = 0; i < shown->rgba.size(); ++i)

@@ -13,14 +13,17 @@ namespace {
 
 class FurnaceTest : public RendererTest {
   protected:
-    static Sky white() {
-        Look look;
-        look.environment = sky_file(
-            "white.exr", sky_picture(64, 32, [](const glm::dvec3&) { return glm::dvec3(1); }));
-        SkyMaker maker;
-        Result<Sky> sky = maker.make(look, heavens_at_hour(12), {.height_m = 12});
-        EXPECT_TRUE(sky) << sky.error().message;
-        return *sky;
+    static const Sky& white() {
+        static const Sky made = [] {
+            Look look;
+            look.environment = sky_file(
+                "white.exr", sky_picture(64, 32, [](const glm::dvec3&) { return glm::dvec3(1); }));
+            SkyMaker maker;
+            Result<Sky> sky = maker.make(look, heavens_at_hour(12), {.height_m = 12});
+            EXPECT_TRUE(sky) << sky.error().message;
+            return *sky;
+        }();
+        return made;
     }
     Picture render_white(const SeaFrame& frame) {
         return render(frame, white(), DebugView::final, {.air = false, .detail = false});

@@ -32,14 +32,12 @@ class SprayTest : public RendererTest {
         RenderOptions options{.quality = quality_table[quality_default]};
         options.quality.spray_slots = slots;
         options.quality.scale = 1;
-        Result<Renderer> renderer =
-            Renderer::create(*device_, camera_.width, camera_.height, options);
-        EXPECT_TRUE(renderer) << renderer.error().message;
-        Result<Picture> picture = renderer->render(frame, camera_, sky_);
+        Renderer& renderer = renderer_for(options);
+        const std::uint64_t passes_before = renderer.spray_passes();
+        Result<Picture> picture = renderer.render(frame, camera_, sky_at_hour(12));
         EXPECT_TRUE(picture) << picture.error().message;
-        return {std::move(*picture), renderer->spray_passes()};
+        return {std::move(*picture), renderer.spray_passes() - passes_before};
     }
-    Sky sky_{sun_direction(12)};
 };
 
 // 3.4 % of the sea are white at 17.2 m/s, where Beaufort 8 begins.

@@ -13,13 +13,10 @@ class SteadyTest : public RendererTest {
     SteadyTest() {
         camera_ = {.z_m = 12, .yaw_deg = 215, .pitch_deg = -6, .width = 320, .height = 180};
     }
-    Result<Renderer> renderer() {
-        return Renderer::create(*device_, camera_.width, camera_.height,
-                                {.quality = quality_table[quality_default]});
-    }
-    ShownPicture shown(Renderer& renderer, const SeaFrame& frame) {
+    ShownPicture shown(const SeaFrame& frame) {
         Result<ShownPicture> picture =
-            renderer.show(frame, camera_, sky_, {}, {DebugView::final, 0.1, 1});
+            renderer_for({.quality = quality_table[quality_default]})
+                .show(frame, camera_, sky_at_hour(15.5), {}, {DebugView::final, 0.1, 1});
         EXPECT_TRUE(picture) << picture.error().message;
         return std::move(*picture);
     }
@@ -46,19 +43,16 @@ class SteadyTest : public RendererTest {
                 return y;
         return camera_.height;
     }
-    Sky sky_{sun_direction(15.5)};
 };
 
 // Thirty frames a second from a camera that stands still. Waves near the horizon move by a hundredth of a pixel from frame to
 // frame; a mesh that followed each frame's largest wave moved all of them, by 1.4 of 255.
 TEST_F(SteadyTest, the_far_sea_does_not_swim_below_a_camera_that_stands_still) {
     SyntheticSea sea = gale();
-    Result<Renderer> drawing = renderer();
-    ASSERT_TRUE(drawing) << drawing.error().message;
     const int horizon = horizon_row();
-    ShownPicture before = shown(*drawing, sea.at(100'000'000));
+    ShownPicture before = shown(sea.at(100'000'000));
     for (int i = 1; i <= 4; ++i) {
-        const ShownPicture after = shown(*drawing, sea.at(100'000'000 + i * 33'333));
+        const ShownPicture after = shown(sea.at(100'000'000 + i * 33'333));
         EXPECT_LT(difference(before, after, horizon - 1, horizon + 4), 0.5) << i;
         EXPECT_GT(difference(before, after, horizon + 40, camera_.height), 1)
             << "near it the sea moves";
@@ -70,15 +64,13 @@ TEST_F(SteadyTest, the_far_sea_does_not_swim_below_a_camera_that_stands_still) {
 // between the same ones: no larger step.
 TEST_F(SteadyTest, keyframes_change_without_a_pop) {
     SyntheticSea sea = gale();
-    Result<Renderer> drawing = renderer();
-    ASSERT_TRUE(drawing) << drawing.error().message;
     const SeaFrame start = sea.at(0);
     for (const CascadeFrame& cascade : start.cascades) {
         const sea::TimeUs interval_us = cascade.keyframes.after->time_us();
         const sea::TimeUs border_us = 40 * interval_us;
         const auto step = [&](sea::TimeUs middle_us) {
-            return difference(shown(*drawing, sea.at(middle_us - 1000)),
-                              shown(*drawing, sea.at(middle_us + 1000)), 0, camera_.height);
+            return difference(shown(sea.at(middle_us - 1000)), shown(sea.at(middle_us + 1000)), 0,
+                              camera_.height);
         };
         const double within = step(border_us + interval_us / 3);
         EXPECT_LT(step(border_us), 1.5 * within + 0.05) << interval_us;

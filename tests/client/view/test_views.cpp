@@ -42,10 +42,8 @@ TEST_F(ViewsTest, each_cascade_shows_its_own_slopes) {
     for (int cascade = 0; cascade < 2; ++cascade) {
         const auto index = static_cast<std::size_t>(cascade);
         const sea::Surface alone({frame.cascades[index].keyframes}, frame.choppiness, {}, {});
-        Result<Renderer> renderer = Renderer::create(*device_, camera_.width, camera_.height);
-        ASSERT_TRUE(renderer) << renderer.error().message;
         const Result<Picture> picture =
-            renderer->render(frame, camera_, sky_at_hour(12), {DebugView::cascade, cascade});
+            renderer_for({}).render(frame, camera_, sky_at_hour(12), {DebugView::cascade, cascade});
         ASSERT_TRUE(picture) << picture.error().message;
         for (int y = 3; y < place.height; y += 11)
             for (int x = 3; x < place.width; x += 13) {

@@ -26,7 +26,11 @@ class WaterTest : public RendererTest {
                     sum[c] += static_cast<double>(picture.pixel(x, y)[c]);
         return sum / static_cast<double>(count);
     }
-    Sky sky_{glm::normalize(glm::dvec3(0.3, -0.2, 0.9))};
+    static const Sky& high_sun() {
+        static const Sky sky(glm::normalize(glm::dvec3(0.3, -0.2, 0.9)));
+        return sky;
+    }
+    const Sky& sky_ = high_sun();
 };
 
 constexpr double deep_m = sea::deep_water_m;

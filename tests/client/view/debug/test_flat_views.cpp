@@ -15,11 +15,9 @@ class FlatViewsTest : public RendererTest {
     /// As wide as the level has texels, and something beside it.
     Picture draw(const SeaFrame& frame, const char* words, int side) {
         camera_ = {.z_m = 12, .pitch_deg = 60, .width = 2 * side, .height = side}; // at the sky
-        Result<Renderer> renderer = Renderer::create(*device_, camera_.width, camera_.height);
-        EXPECT_TRUE(renderer) << renderer.error().message;
         const Result<DebugChoice> choice = parse_debug_view(words);
         EXPECT_TRUE(choice) << words;
-        Result<Picture> picture = renderer->render(frame, camera_, sky_at_hour(12), *choice);
+        Result<Picture> picture = renderer_for({}).render(frame, camera_, sky_at_hour(12), *choice);
         EXPECT_TRUE(picture) << picture.error().message;
         EXPECT_EQ(picture->pixel(side / 2 - 1, 0)[3], 0.0f) << "beside the map";
         EXPECT_EQ(picture->pixel(side / 2, 0)[3], 1.0f) << "its corner";

@@ -69,17 +69,11 @@ class LegendTest : public RendererTest {
     }
     std::array<int, 3> colour_of(const Display& display, double number, float alpha = 1) {
         const auto value = static_cast<float>(number);
-        if (!renderer_) {
-            Result<Renderer> made = Renderer::create(*device_, 1, 1);
-            EXPECT_TRUE(made);
-            renderer_.emplace(std::move(*made));
-        }
         const Result<ShownPicture> shown =
-            renderer_->develop({1, 1, {value, value, value, alpha}}, display);
+            renderer_of(1, 1, {}).develop({1, 1, {value, value, value, alpha}}, display);
         EXPECT_TRUE(shown);
         return {shown->rgba[0], shown->rgba[1], shown->rgba[2]};
     }
-    std::optional<Renderer> renderer_;
 };
 
 // The shader's colours and the bar's, read from bytes: at both ends and in the middle of each bar of each view.

@@ -27,12 +27,7 @@ class SeaViewsTest : public RendererTest {
         return sea;
     }
     Picture draw(const SeaFrame& frame, const DebugChoice& choice) {
-        if (!renderer_) {
-            Result<Renderer> made = Renderer::create(*device_, camera_.width, camera_.height);
-            EXPECT_TRUE(made) << made.error().message;
-            renderer_.emplace(std::move(*made));
-        }
-        Result<Picture> picture = renderer_->render(frame, camera_, sky_at_hour(12), choice);
+        Result<Picture> picture = renderer_for({}).render(frame, camera_, sky_at_hour(12), choice);
         EXPECT_TRUE(picture) << picture.error().message;
         return std::move(*picture);
     }
@@ -68,8 +63,6 @@ class SeaViewsTest : public RendererTest {
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(found[c], expected[c], within) << what << ", channel " << c;
     }
-
-    std::optional<Renderer> renderer_;
 };
 
 TEST_F(SeaViewsTest, displacement_is_how_far_the_surface_has_moved_there) {
