@@ -320,7 +320,7 @@ TEST_F(ViewsTest, lace_leaves_as_much_white_as_the_share_says) {
                 ++pixels;
             }
         }
-        // Places are the same every time; rows scatter their mean by 6 % of s (1 - s), patches by as much.
+        // Places are the same every time; rows scatter the mean of all looks by 6 % of s (1 - s), patches by as much.
         EXPECT_NEAR(sum / pixels, share, 0.03) << share;
         EXPECT_GT((white + dark) / pixels, 0.5) << "it is seen, not averaged";
     }
