@@ -125,12 +125,24 @@ EncoderCounters EncodeWorker::counters() const {
 }
 
 EncodeWorker::Line* EncodeWorker::next_line() {
-    if (!streamed_.empty())
+    const bool others = !starts_.empty() || !fetched_.empty();
+    if (!streamed_.empty() && (!others || ahead_ < stream_slices_ahead))
         return &streamed_;
-    starts_turn_ = !starts_turn_;
-    if (fetched_.empty() || (starts_turn_ && !starts_.empty()))
-        return starts_.empty() ? nullptr : &starts_;
-    return &fetched_;
+    if (!others)
+        return nullptr;
+    return fetched_.empty() || (starts_turn_ && !starts_.empty()) ? &starts_ : &fetched_;
+}
+
+EncodeWorker::Waiting EncodeWorker::take_from(Line& line) {
+    if (&line != &streamed_) {
+        ahead_ = 0;
+        starts_turn_ = &line == &fetched_;
+    } else if (!starts_.empty() || !fetched_.empty()) {
+        ++ahead_;
+    }
+    Waiting next = std::move(line.front());
+    line.pop_front();
+    return next;
 }
 
 void EncodeWorker::run() {
@@ -155,8 +167,7 @@ void EncodeWorker::run() {
         }
         if (line == nullptr)
             continue;
-        Waiting next = std::move(line->front());
-        line->pop_front();
+        Waiting next = take_from(*line);
         encoded_now_ = &next;
         lock.unlock();
         bool done = true; // also where there is no memory for it

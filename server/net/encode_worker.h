@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // EncodeWorker: the thread that owns the Encoder. Streamed keyframes go before fetched ones, also in
-// the middle of a fetch: a large one is encoded slice by slice. The lines are bounded: what does not
+// the middle of a fetch: a large one is encoded slice by slice. Ahead of what waits go stream_slices_ahead of them, then
+// one slice of a start or of a fetch, in turns: a stream that never catches up keeps nobody from joining and no fetch from
+// its end. The lines are bounded: what does not
 // fit is refused to its owner, who counts it. Of what is streamed the rungs with most readers go first, and where there is
 // no room what has waited longest goes: sessions with wishes of their own take nothing from the others.
 #pragma once
@@ -12,6 +14,7 @@
 #include <thread>
 
 #include "server/host/host.h"
+#include "server/host/stream_ahead.h"
 #include "server/publish/encoder.h"
 
 namespace seaway::server {
@@ -68,8 +71,9 @@ class EncodeWorker {
     /// All that waits of the keyframe that came first.
     void leave_out_the_oldest(Line& left_out);
     void run();
-    /// The line whose turn it is, or null: streamed keyframes, then starts and fetches one by one.
+    /// The line whose turn it is, or null: streamed keyframes, as far as they go ahead, then starts and fetches one by one.
     Line* next_line();
+    Waiting take_from(Line& line);
 
     const MemoryPtr memory_;
     mutable std::mutex mutex_;
@@ -80,7 +84,8 @@ class EncodeWorker {
     const Waiting* encoded_now_ = nullptr;
     Line fetched_;
     Line starts_;
-    bool starts_turn_ = true;
+    bool starts_turn_ = true; ///< before fetches
+    int ahead_ = 0; ///< streamed ones that went before others who wait, since the last of these
     Encoder
         encoder_; ///< of the thread alone but for its counters, and made before it, where what throws is heard
     std::thread thread_;

@@ -26,6 +26,7 @@
 #include "base/result.h"
 #include "sea/surface/answer.h"
 #include "server/host/refusal.h"
+#include "server/host/stream_ahead.h"
 #include "server/host/subscriptions.h"
 #include "server/simulation/answer_threads.h"
 #include "server/simulation/effect_plan.h"
@@ -69,10 +70,6 @@ struct SimulationCounters {
 inline constexpr int trims_after_work = 80;
 /// Of so many one gives back to the system what is free: it looks through all that malloc has.
 inline constexpr int trims_a_give_back = 2;
-
-/// Slices of keyframes that are due before a question has one: the stream goes first, and one that never
-/// catches up still leaves a fifth of the thread to those who ask.
-inline constexpr int stream_slices_ahead = 4;
 
 /// Points of no higher price are answered by who asks: with fewer threads to be woken they take half as long. So much of
 /// the time of those who ask, so that what else they do, which is to send keyframes, waits for little.

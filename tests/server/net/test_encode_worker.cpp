@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The line of keyframes that wait to be encoded: its bounds, who goes first, and who is left out.
+#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -45,8 +46,13 @@ TEST(EncodeWorker, both_lines_are_bounded_and_streamed_keyframes_go_first) {
         return order.size() ==
                EncodeWorker::fetches_waiting_max + EncodeWorker::streamed_waiting_max;
     }));
-    EXPECT_EQ(order, std::string(EncodeWorker::streamed_waiting_max - 1, 's') + 'n' +
-                         std::string(EncodeWorker::fetches_waiting_max, 'f'));
+    const std::string streamed = std::string(EncodeWorker::streamed_waiting_max - 1, 's') + 'n';
+    constexpr auto ahead = static_cast<std::size_t>(server::stream_slices_ahead);
+    std::string turns;
+    for (std::size_t i = 0; i < streamed.size(); ++i)
+        turns += streamed[i] + std::string((i + 1) % ahead == 0 ? 1 : 0, 'f');
+    turns.resize(EncodeWorker::fetches_waiting_max + EncodeWorker::streamed_waiting_max, 'f');
+    EXPECT_EQ(order, turns);
     std::promise<void> again;
     EXPECT_TRUE(worker.submit_fetched([&](server::Encoder&) {
         again.set_value();
@@ -75,12 +81,18 @@ struct HeldUp {
             return true;
         };
     }
+    /// What was written down, of streamed keyframes.
     std::string let_go() {
         std::promise<void> done;
-        EXPECT_TRUE(worker.submit_fetched([&](server::Encoder&) {
-            done.set_value();
-            return true;
-        }));
+        const server::KeyframeTiles last{
+            .keyframe = nullptr, .codec_error = {}, .rank = server::quality_rungs};
+        EXPECT_EQ(worker.submit_streamed(
+                      [&](server::Encoder&) {
+                          done.set_value();
+                          return true;
+                      },
+                      last),
+                  0u);
         gate.set_value();
         done.get_future().wait();
         return order;
@@ -186,6 +198,36 @@ TEST(EncodeWorker, a_large_fetch_lets_streamed_keyframes_and_starts_in_between) 
     done.get_future().wait();
     EXPECT_EQ(order.substr(0, 3), "fss") << "streamed ones at once";
     EXPECT_TRUE(order == "fssbfbff" || order == "fssfbfbf") << order << ": the others in turn";
+}
+
+// Naive: streamed keyframes go first, whatever waits. Once they take all of the thread nobody can join, and no fetch ends.
+TEST(EncodeWorker, an_encoder_that_is_never_idle_ends_starts_and_fetches_all_the_same) {
+    HeldUp held(std::make_shared<server::Memory>());
+    int streamed = 0; // all of the encode thread, read when it has stopped
+    const std::function<bool(server::Encoder&)> stream = [&](server::Encoder&) {
+        held.order += 's';
+        if (++streamed < 1000) // the line is never empty
+            (void)held.worker.submit_streamed(stream);
+        return true;
+    };
+    std::promise<void> done;
+    int others = 0;
+    const auto other = [&](char kind, int slices_left) {
+        return [&, kind, slices_left](server::Encoder&) mutable {
+            held.order += kind;
+            if (++others == 4)
+                done.set_value();
+            return --slices_left == 0;
+        };
+    };
+    EXPECT_EQ(held.worker.submit_streamed(stream), 0u);
+    EXPECT_TRUE(held.worker.submit_fetched(other('f', 2)));
+    for (int i = 0; i < 2; ++i)
+        EXPECT_TRUE(held.worker.submit_start(other('b', 1)));
+    held.gate.set_value();
+    done.get_future().wait();
+    held.worker.stop();
+    EXPECT_EQ(held.order.substr(0, 20), "ssssbssssfssssbssssf");
 }
 
 } // namespace
