@@ -340,9 +340,9 @@ void Session::deliver(const Delivery& streamed) {
             renew_grant();
         // A keyframe computed for an earlier plan may lack what this session was granted: half a
         // keyframe is of no use to it.
-        const sea::FieldSet fields = subscription_->granted.fields;
-        if (!keyframe.fields.contains(fields) ||
-            !keyframe.follows.contains(subscription_->granted.follows))
+        const Demand& granted = subscription_->granted;
+        const sea::FieldSet fields = maps_that_bring(keyframe, granted.fields, granted.follows);
+        if (fields.empty())
             return;
         outbox_.push_keyframe(streamed.keyframe, fields, streamed.file);
         link_.send_more();

@@ -114,6 +114,13 @@ std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields,
     return bytes;
 }
 
+sea::FieldSet maps_that_bring(const EncodedKeyframe& keyframe, sea::FieldSet fields,
+                              sea::FieldSet follows) {
+    const sea::FieldSet maps = keyframe.fields & (fields | follows.without(keyframe.follows));
+    const sea::FieldSet brought = maps | (keyframe.follows & sea::following(maps));
+    return brought.contains(fields | follows) ? maps : sea::FieldSet{};
+}
+
 Result<EncodedKeyframePtr> Encoder::encode(const sea::Keyframe& keyframe,
                                            std::span<const float> codec_error, Quality quality,
                                            sea::FieldSet wanted, const CompactTiles& compact,

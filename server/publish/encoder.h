@@ -66,6 +66,11 @@ inline constexpr sea::FieldSet predicted_fields{sea::Field::height, sea::Field::
 std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields,
                           bool differs = false);
 
+/// Which of its maps bring all that was granted, `fields` and `follows`: whatever of it follows from others in one keyframe may
+/// be a map in the next, where the sea changes. Empty: it lacks some.
+sea::FieldSet maps_that_bring(const EncodedKeyframe& keyframe, sea::FieldSet fields,
+                              sea::FieldSet follows);
+
 struct EncoderCounters {
     std::uint64_t fields_encoded = 0;
     std::uint64_t fields_reused = 0;    ///< served from memory

@@ -17,8 +17,10 @@ class Line final : public server::Link {
     void send_more() override {
         while (const protocol::SharedBytes message = session->next_message()) {
             session->sent();
-            if (const auto* tile = wire::GetMessage(message->data())->body_as_Tile())
+            if (const auto* tile = wire::GetMessage(message->data())->body_as_Tile()) {
                 streamed.push_back(tile->keyframe());
+                fields.insert(static_cast<sea::Field>(tile->field()));
+            }
         }
     }
     void drop() noexcept override {}
@@ -29,7 +31,8 @@ class Line final : public server::Link {
         EXPECT_TRUE(wire::GetMessage(go_away->data())->body_as_GoAway());
     }
 
-    std::vector<std::uint64_t> streamed; ///< numbers of keyframes, each of one tile
+    std::vector<std::uint64_t> streamed; ///< numbers of keyframes, one a tile
+    sea::FieldSet fields;                ///< of all these tiles
     wire::ErrorCode ended = wire::ErrorCode::none;
     std::string ended_why;
     server::Session* session = nullptr;
@@ -52,6 +55,22 @@ class NetAcks : public ::testing::Test {
                 {*encoder.encode(*sea.keyframe(0, ++newest, sea.offered).keyframe,
                                  std::vector<float>(sea.offered.size(), 0.1f), 0, sea.offered)});
     }
+    /// A keyframe of maps of which others follow, for who takes compact ones.
+    server::EncodedKeyframePtr compact(sea::FieldSet maps, sea::FieldSet follows) {
+        return *encoder.encode(*sea.keyframe(0, ++newest, maps).keyframe,
+                               std::vector<float>(static_cast<std::size_t>(maps.size()), 0.1f), 0,
+                               maps, {.size = 16, .follows = follows});
+    }
+    /// The fields of the tiles that this keyframe is sent as, once the sea changed to deep water, or from it.
+    sea::FieldSet sent_over_a_change(bool deep_before, const server::EncodedKeyframePtr& keyframe) {
+        for (const bool deep : {deep_before, !deep_before}) {
+            sea.deep = deep;
+            session.announce(SmallSea::state_message(++epoch));
+        }
+        line.fields = {};
+        core->deliveries.add({keyframe});
+        return line.fields;
+    }
     /// How many of so many keyframes are sent, the newest of those that wait among them.
     std::size_t sent_of(int keyframes) {
         const std::size_t before = line.streamed.size();
@@ -71,6 +90,7 @@ class NetAcks : public ::testing::Test {
     Line line;
     server::Session session{*core, line, peer, server::Standing::stranger};
     std::int64_t newest = 0;
+    std::uint32_t epoch = 0;
 };
 
 TEST_F(NetAcks, one_of_several_keyframes_gives_the_place_of_each_back) {
@@ -104,6 +124,31 @@ TEST_F(NetAcks, of_what_is_unknown_repeated_or_acknowledged_before_give_no_place
     acknowledge(first, {first, 0, ~0ull, first + 1000});
     EXPECT_EQ(sent_of(4), 0u);
     EXPECT_FALSE(session.ended());
+}
+
+// Naive: what is granted as maps by now is to be maps of each keyframe, and as what follows of each likewise. Those that are on
+// their way when it changes are all dropped, though their tiles say what follows from them.
+TEST_F(NetAcks, come_for_keyframes_on_their_way_too_when_what_follows_from_them_changes) {
+    const sea::FieldSet heights{sea::Field::height, sea::Field::height_rate};
+    const sea::FieldSet moved = sea::surface_fields.without(heights);
+    session.receive(protocol::subscribe(
+        1, {.cascades = 1u, .fields = sea::surface_fields, .error_m = 0, .compact = true}, 1));
+    EXPECT_EQ(sent_over_a_change(true, compact(heights, moved)), heights) << "the others follow";
+    EXPECT_EQ(sent_over_a_change(true, compact(heights, moved)), sea::FieldSet{})
+        << "a credit of one is in use";
+    acknowledge(line.streamed.back());
+    EXPECT_EQ(line.fields, heights) << "what waited, once that came back";
+    acknowledge(line.streamed.back());
+    EXPECT_EQ(sent_over_a_change(false, compact(sea::surface_fields, {})), sea::surface_fields)
+        << "nothing follows";
+    acknowledge(line.streamed.back());
+    EXPECT_EQ(sent_over_a_change(false, compact(sea::surface_fields, moved)), heights)
+        << "no more than is needed";
+    acknowledge(line.streamed.back());
+    EXPECT_EQ(sent_over_a_change(true, compact(heights, {})), sea::FieldSet{}) << "half of it";
+    EXPECT_EQ(sent_over_a_change(true, compact({sea::Field::height}, moved)), sea::FieldSet{})
+        << "no rates follow from heights";
+    EXPECT_EQ(sent_over_a_change(true, compact(heights, moved)), heights) << "and took no place";
 }
 
 // What is on its way counts until it is acknowledged, whichever subscription it was of.

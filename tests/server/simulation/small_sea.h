@@ -45,6 +45,7 @@ class SmallSea : public server::Host {
     std::atomic<bool> answer_queries = true; ///< else they wait in `unanswered`
     std::atomic<bool> answer_fetches = true; ///< else they wait in `unanswered`
     std::atomic<bool> coarser_now = false;   ///< the sea that runs has the coarser rung alone
+    std::atomic<bool> deep = false;          ///< of compact maps displacements follow from heights
     std::atomic<bool> is_busy = false;       ///< queries, fetches and maps are refused
 
     static protocol::SharedBytes state_message(std::uint32_t epoch, std::size_t scene_bytes = 100) {
@@ -123,6 +124,10 @@ class SmallSea : public server::Host {
             grant.quality = 1;
             grant.error_m = bound(1);
             grant.why = "the sea has grown";
+        }
+        if (deep && wish.compact) {
+            grant.follows = grant.fields & sea::following(grant.fields);
+            grant.fields = grant.fields.without(grant.follows);
         }
         return grant;
     }
