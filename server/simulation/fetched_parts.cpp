@@ -33,15 +33,25 @@ void FetchedParts::begin() {
         seas_.emplace(course_, seas_of_times_[next_], demand_.fields);
 }
 
+void FetchedParts::make_some_sea() {
+    if (!lacks_sea())
+        return seas_->make_some();
+    if (seas_->make(*job_->lacks_sea()))
+        job_->go_on();
+}
+
 KeyframeJob& FetchedParts::job() {
-    if (!job_)
+    if (!job_) {
         job_.emplace(keyframes_around(course_, seas_of_times_[next_], demand_), Walk::questions,
                      room_);
+        job_->leave_seas_to_others();
+    }
     return *job_;
 }
 
 std::vector<sea::KeyframePtr> FetchedParts::take() {
     std::vector<sea::KeyframePtr> part = job_->take();
+    seas_->let_go(); // it may wait for room for the next one
     if (job_->complete()) {
         ++next_;
         begin();

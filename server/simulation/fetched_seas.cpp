@@ -2,6 +2,7 @@
 #include "server/simulation/fetched_seas.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sea/foam/foam_ticks.h"
 
@@ -39,6 +40,8 @@ std::vector<std::uint32_t> fetched_epochs(const SeaCourse& course,
 FetchedSeas::FetchedSeas(const SeaCourse& course, std::span<const sea::TimeUs> times_us,
                          sea::FieldSet fields)
     : course_(course), epochs_(fetched_epochs(course, times_us, fields)) {
+    if (epochs_.size() >= seas_kept) // what the first one glides from is made, too
+        epochs_ = fetched_epochs(course, times_us, {});
     while (!are_there() && course_.sea_if_held(epochs_[there_])) // mostly all: no slice is needed
         ++there_;
 }
@@ -47,6 +50,14 @@ void FetchedSeas::make_some() {
     awaits_ = !course_.sea_unless_making(epochs_[there_]);
     if (!awaits_)
         ++there_;
+}
+
+bool FetchedSeas::make(std::uint32_t epoch) {
+    RunningSeaPtr sea = course_.sea_unless_making(epoch);
+    awaits_ = !sea;
+    if (sea)
+        used_ = {std::move(sea), std::move(used_[0])};
+    return !awaits_;
 }
 
 } // namespace seaway::server

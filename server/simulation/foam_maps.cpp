@@ -76,27 +76,33 @@ Result<void> FoamMaps::own(History& history, KeyframeMaker& device) {
 }
 
 Result<bool> FoamMaps::walk(KeyframeMaker& device, int cascade, sea::TimeUs time_us, int ticks_max,
-                            sea::TimeUs until_us) {
+                            sea::TimeUs until_us, const IsThere& is_there) {
     SEAWAY_CHECK(ticks_max >= 1, "every slice goes some way");
     History& own_history = history(cascade);
     const auto waits = [&] {
         const std::optional<sea::TimeUs> next_us = own_history.walk.next_us(time_us);
         return next_us && *next_us <= until_us;
     };
+    const auto may_look = [&] {
+        const std::optional<sea::TimeUs> next_us = own_history.walk.next_us(time_us);
+        return !next_us || !is_there || is_there(*next_us);
+    };
     constexpr int calm_per_tick = 8; // whose law is looked at, and no more
     const int calm_max = ticks_max > std::numeric_limits<int>::max() / calm_per_tick
                              ? std::numeric_limits<int>::max()
                              : calm_per_tick * ticks_max;
-    const bool all_passed = own_history.walk.pass_calm(time_us, calm_max) < calm_max;
+    int passed = 0;
+    while (passed < calm_max && may_look() && own_history.walk.pass_calm(time_us, 1) == 1)
+        ++passed;
     if (!waits())
         return true;
-    if (!all_passed)
+    if (passed == calm_max || !may_look())
         return false;
     SEAWAY_TRY(own(own_history, device));
     Undo steps([&own_history] { own_history.walk.restart(); }); // what it counts is not taken yet
     std::vector<FoamTurn> turns;
     std::vector<sea::TimeUs> times_us;
-    while (static_cast<int>(turns.size()) < ticks_max && waits()) {
+    while (static_cast<int>(turns.size()) < ticks_max && waits() && may_look()) {
         const std::optional<sea::FoamStep> step = own_history.walk.next(time_us);
         if (!step) // a change was added meanwhile, and it is calm
             break;

@@ -7,6 +7,7 @@
 // For one thread.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -33,9 +34,12 @@ class FoamMaps {
     /// All that are left are done by the turn() of a keyframe of that time.
     bool is_near(int cascade, sea::TimeUs time_us) const;
 
-    /// At most `ticks_max` >= 1 of those ticks, `until_us` at the latest; true: none of these is left.
+    /// Is the sea of this time there, so that its law and its strains can be looked at? Empty: each is made that is not.
+    using IsThere = std::function<bool(sea::TimeUs)>;
+    /// At most `ticks_max` >= 1 of those ticks, `until_us` at the latest, and none of a sea that is not there; true: none
+    /// of these is left.
     Result<bool> walk(KeyframeMaker& device, int cascade, sea::TimeUs time_us, int ticks_max,
-                      sea::TimeUs until_us);
+                      sea::TimeUs until_us, const IsThere& is_there = {});
     Result<bool> walk_towards(KeyframeMaker& device, int cascade, sea::TimeUs time_us,
                               int ticks_max) {
         return walk(device, cascade, time_us, ticks_max, time_us);

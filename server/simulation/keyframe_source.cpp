@@ -137,12 +137,15 @@ void KeyframeSource::look_up(KeyframeJob& job, std::size_t begin,
 }
 
 Result<bool> KeyframeSource::slice(KeyframeJob& job, std::int64_t& budget) {
+    job.lacks_sea_.reset();
     if (!job.open_ && !open_part(job))
         return false;
     while (budget > 0 && !job.made()) {
         SEAWAY_TRY_LET(const bool near, walk_to_next(job, budget));
-        if (near)
+        if (near && are_there(job))
             SEAWAY_TRY(synthesize_some(job, budget));
+        if (job.lacks_sea_)
+            return false;
     }
     if (job.made() && job.end_ == job.wanted_.size())
         job.turn_ = nullptr;
@@ -253,12 +256,25 @@ NewKeyframePtr KeyframeSource::joined(const sea::Keyframe& held, const sea::Keyf
     return whole;
 }
 
-Result<bool> KeyframeSource::walk_to_next(const KeyframeJob& job, std::int64_t& budget) {
+bool KeyframeSource::is_there(KeyframeJob& job, std::uint32_t epoch) const {
+    if (job.leaves_seas_ && !course_->sea_if_held(epoch))
+        job.lacks_sea_ = epoch;
+    return !job.lacks_sea_;
+}
+
+bool KeyframeSource::are_there(KeyframeJob& job) const {
+    return std::ranges::all_of(job.missing_, [&](const KeyframeJob::Missing& one) {
+        return is_there(job, one.request.epoch) &&
+               (!one.walks_foam() || is_there(job, course_->window_at(one.foam_us).epoch));
+    });
+}
+
+Result<bool> KeyframeSource::walk_to_next(KeyframeJob& job, std::int64_t& budget) {
     const KeyframeJob::Missing& next = job.missing_.front();
     if (!next.walks_foam())
         return true;
     return walk(foam_maps(job, next.request.epoch), next.request.cascade, next.foam_us,
-                next.foam_us - 1, budget);
+                next.foam_us - 1, budget, &job);
 }
 
 void KeyframeSource::keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe) {
@@ -291,12 +307,15 @@ TimeUs KeyframeSource::foam_time(const KeyframeRequest& request) const {
 }
 
 Result<bool> KeyframeSource::walk(FoamMaps& foam, int cascade, TimeUs time_us, TimeUs until_us,
-                                  std::int64_t& budget) {
+                                  std::int64_t& budget, KeyframeJob* job) {
+    const auto is_there_at = [&](TimeUs at_us) {
+        return job == nullptr || is_there(*job, course_->window_at(at_us).epoch);
+    };
     const std::int64_t tick = foam_tick_fields * samples(cascade);
     const auto ticks_max = static_cast<int>(std::max<std::int64_t>(budget / tick, 1));
     foam.look_for_changes(cascade);
     const int before = foam.ticks_to(cascade, time_us);
-    const Result<bool> there = foam.walk(*this, cascade, time_us, ticks_max, until_us);
+    const Result<bool> there = foam.walk(*this, cascade, time_us, ticks_max, until_us, is_there_at);
     if (!there && there.error().is(DeviceError::foam_lost)) {
         budget = 0; // the next slice starts anew
         return false;
@@ -304,7 +323,8 @@ Result<bool> KeyframeSource::walk(FoamMaps& foam, int cascade, TimeUs time_us, T
     if (!there)
         return there.error();
     const int left = foam.ticks_to(cascade, time_us);
-    SEAWAY_CHECK(*there || left < before, "each slice brings foam nearer to its time");
+    SEAWAY_CHECK(*there || left < before || (job != nullptr && job->lacks_sea_),
+                 "each slice brings foam nearer to its time");
     budget -= tick * (before - left);
     return *there;
 }

@@ -52,6 +52,12 @@ class KeyframeJob {
                 std::shared_ptr<Room> room = nullptr)
         : wanted_(std::move(wanted)), walk_(walk), room_(std::move(room)) {}
 
+    /// Whoever works on it makes no sea: a slice ends before one that nobody holds.
+    void leave_seas_to_others() { leaves_seas_ = true; }
+    /// The epoch of that sea, which the next slice needs. None: it may go on.
+    std::optional<std::uint32_t> lacks_sea() const { return lacks_sea_; }
+    void go_on() { lacks_sea_.reset(); }
+
     /// The next part, once KeyframeSource::work_on() has said that it is made.
     std::vector<sea::KeyframePtr> take();
     /// The last part has been taken.
@@ -85,6 +91,8 @@ class KeyframeJob {
     std::deque<Missing> missing_;
     std::shared_ptr<const void> turn_;       ///< held by the one job whose foam is walked for
     std::weak_ptr<const void> awaited_turn_; ///< of another, which had it at the last slice
+    bool leaves_seas_ = false;
+    std::optional<std::uint32_t> lacks_sea_;
 };
 
 /// What a keyframe is one of.
@@ -149,7 +157,11 @@ class KeyframeSource : private KeyframeMaker {
     Result<bool> slice(KeyframeJob& job, std::int64_t& budget);
     bool takes_its_turn(KeyframeJob& job);
     /// True: the foam of the next keyframe that is missing is there, but for its own tick.
-    Result<bool> walk_to_next(const KeyframeJob& job, std::int64_t& budget);
+    Result<bool> walk_to_next(KeyframeJob& job, std::int64_t& budget);
+    /// This sea can be looked at now. False: the job lacks it.
+    bool is_there(KeyframeJob& job, std::uint32_t epoch) const;
+    /// So can all that the keyframes that are missing are of.
+    bool are_there(KeyframeJob& job) const;
     /// Some of those that are missing, which are made in one call.
     struct Together {
         std::vector<KeyframeRequest> requests;
@@ -175,7 +187,7 @@ class KeyframeSource : private KeyframeMaker {
     NewKeyframePtr joined(const sea::Keyframe& held, const sea::Keyframe& made) const;
     void keep(KeyframeJob& job, std::size_t place, sea::KeyframePtr keyframe);
     Result<bool> walk(FoamMaps& foam, int cascade, sea::TimeUs time_us, sea::TimeUs until_us,
-                      std::int64_t& budget);
+                      std::int64_t& budget, KeyframeJob* job = nullptr);
 
     // What foam is walked with: the device, and its accounts.
     Result<FoamMapPtr> open_foam(int size, const FoamMap* from) override;

@@ -355,6 +355,10 @@ TEST(FetchedSeas, of_foam_are_those_that_it_remembers_and_are_paid_for) {
     EXPECT_LE(made, remembered);
     EXPECT_GT(made, 2);
     EXPECT_GE(price_us, made * 2 * 64.0 * 64.0 * price_sea_wave_us);
+    const std::vector<std::uint32_t> epochs = fetched_epochs(*course, end_us, {Field::foam});
+    EXPECT_LT(epochs.size(), seas_kept);
+    for (const std::uint32_t epoch : epochs)
+        EXPECT_NE(course->sea_if_held(epoch), nullptr) << epoch << " is used next";
     FetchedSeas heights(*course, end_us, {Field::height});
     EXPECT_TRUE(heights.are_there());
 }
