@@ -45,32 +45,30 @@ void Questions::forget_who_left() {
         const bool as_new =
             line.virtual_us <= virtual_us_ - head_start_us && line.account.full(now_s);
         const bool forgotten =
-            line.waiting.empty() && line.worked_on == 0 && (at->first.left() || as_new);
+            line.waiting.empty() && line.worked_on.empty() && (at->first.left() || as_new);
         at = forgotten ? lines_.erase(at) : std::next(at);
     }
     lines_most_ = std::max<std::size_t>(64, 2 * lines_.size());
 }
 
-void Questions::add(Line& line, Question question, bool first) {
+void Questions::add(Line& line, Waiting one, bool first) {
+    Question& question = one.front();
     if (line.waiting.empty()) {
         line.virtual_us = std::max(line.virtual_us, virtual_us_ - head_start_us);
         line.turn = ++turns_;
     }
     if (question.place == nullptr)
         question.place = room_->take_anyway(question.bytes);
-    line.bytes += question.bytes;
     question.next = question.hand ? question.hand() : Hand::simulation;
-    if (first)
-        line.waiting.push_front(std::move(question));
-    else
-        line.waiting.push_back(std::move(question));
+    line.bytes += question.bytes;
+    line.waiting.splice(first ? line.waiting.begin() : line.waiting.end(), one);
     ++open_;
 }
 
 std::optional<Questions::Place> Questions::next_of(Lines::iterator line, Hand hand, bool prompt) {
     if (!prompt && line->second.longs > 0)
         return std::nullopt;
-    std::deque<Question>& waiting = line->second.waiting;
+    Waiting& waiting = line->second.waiting;
     const auto first = std::ranges::find_if(waiting, [&](const Question& question) {
         return question.prompt == prompt && (!prompt || question.next == hand) &&
                (!question.ready || question.ready());
@@ -91,7 +89,7 @@ void Questions::earlier(std::optional<Place>& best, const std::optional<Place>& 
 std::optional<Questions::Place> Questions::next(Hand hand) {
     std::optional<Place> prompt, other;
     for (auto line = lines_.begin(); line != lines_.end(); ++line) {
-        std::deque<Question>& waiting = line->second.waiting;
+        Waiting& waiting = line->second.waiting;
         const auto gone = std::ranges::find_if(
             waiting, [](const Question& question) { return question.asker.gone(); });
         if (gone != waiting.end()) // dropped before anything is worked on
@@ -106,7 +104,7 @@ std::optional<Questions::Place> Questions::next(Hand hand) {
 std::optional<Error> Questions::why_not(std::size_t bytes, Line& line) {
     if (closed_)
         return closed_;
-    const std::size_t own = line.waiting.size() + line.worked_on;
+    const std::size_t own = line.waiting.size() + line.worked_on.size();
     if (own >= questions_of_one_max)
         return busy(crowd_wait_s, fmt::format("{} questions of yours wait already", own));
     if (open_ >= questions_waiting_max * (own == 0 ? 2 : 1))
@@ -154,7 +152,9 @@ Questions::Line* Questions::admit(std::unique_lock<std::mutex>& lock, Question& 
     }
     asked_ += question.own ? 0 : 1;
     line.account.take(question.price_us);
-    add(line, std::move(question));
+    Waiting one;
+    one.push_back(std::move(question));
+    add(line, std::move(one));
     return &line;
 }
 
@@ -225,19 +225,20 @@ std::optional<Question> Questions::take_to_answer() {
 Question Questions::taken(const Place& place) {
     Line& line = place.line->second;
     Question question = std::move(*place.question);
-    line.waiting.erase(place.question);
+    line.worked_on.splice(line.worked_on.end(), line.waiting, place.question);
     line.turn = ++turns_;
-    ++line.worked_on;
     line.longs += question.prompt ? 0 : 1;
     virtual_us_ = std::max(virtual_us_, line.virtual_us);
     line.bytes -= question.bytes;
     return question;
 }
 
-void Questions::given_back(Line& line, const Question& question) {
+Questions::Waiting Questions::given_back(Line& line, const Question& question) {
     --open_;
-    --line.worked_on;
     line.longs -= question.prompt ? 0 : 1;
+    Waiting one;
+    one.splice(one.end(), line.worked_on, line.worked_on.begin());
+    return one;
 }
 
 void Questions::spent(Question& question, double us) {
@@ -259,15 +260,16 @@ void Questions::put_back(Question question) {
     std::unique_lock lock(mutex_);
     if (closed_) {
         lock.unlock();
-        return question.refuse(*closed_);
+        return refuse_surely(question, [this] { return *closed_; });
     }
     Line& line = line_of(question.asker);
-    given_back(line, question);
+    Waiting one = given_back(line, question);
     const double own_us = line.virtual_us;
     const bool is_long = !question.prompt;
     const Hand before = question.next;
     const bool was_askers = std::exchange(question.askers, false); // who looks for no other
-    add(line, std::move(question), is_long);
+    one.front() = std::move(question);
+    add(line, std::move(one), is_long);
     if (line.waiting.size() == 1)
         line.virtual_us = own_us; // it has not been away
     const Hand hand = (is_long ? line.waiting.front() : line.waiting.back()).next;
@@ -280,9 +282,9 @@ void Questions::over(const Question& question) {
     {
         const std::scoped_lock lock(mutex_);
         const auto line = lines_.find(question.asker);
-        if (line == lines_.end())
-            return; // closed
-        given_back(line->second, question);
+        if (closed_ || line == lines_.end())
+            return;
+        (void)given_back(line->second, question);
         line->second.account.give_back(std::max(question.price_us - question.spent_us, 0.0));
     }
     if (question.prompt)
@@ -300,18 +302,18 @@ void Questions::wake() {
     to_answer_.notify_all();
 }
 
-void Questions::close(const Error& why) {
+void Questions::close(Error why) {
     Lines left;
     {
         const std::scoped_lock lock(mutex_);
-        closed_ = why;
+        closed_ = std::move(why);
         left.swap(lines_);
         open_ = 0;
     }
     to_answer_.notify_all();
     for (const auto& [asker, line] : left)
         for (const Question& question : line.waiting)
-            question.refuse(why);
+            refuse_surely(question, [this] { return *closed_; });
 }
 
 std::uint64_t Questions::asked() const {

@@ -15,12 +15,13 @@
 #include <array>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
 
+#include "base/for_want_of_memory.h"
 #include "base/result.h"
 #include "sea/basics/time.h"
 #include "server/host/asker.h"
@@ -71,6 +72,15 @@ struct Question {
     bool askers = false;          ///< who asked works on it
 };
 
+/// By what `why` makes. Where there is no memory for it tried for a second: others give some back soon. Who asked himself, on a
+/// thread that many wait for, is told by what is thrown.
+template <class Why>
+void refuse_surely(const Question& question, const Why& why) {
+    if (question.askers)
+        return question.refuse(why());
+    (void)tried_for_a_second([&] { question.refuse(why()); });
+}
+
 class Questions {
   public:
     explicit Questions(WorkBudget budget = {},
@@ -103,7 +113,7 @@ class Questions {
     /// What a slice took: to be said after each, then put_back() or over().
     void spent(Question& question, double us);
     /// To the end of its asker's line; a long one to its head, so that an asker has one of them under way,
-    /// and what that holds. Refused where the line has been closed meanwhile.
+    /// and what that holds. Takes no memory. Refused where the line has been closed meanwhile.
     void put_back(Question question);
     /// It has been answered, or dropped: what it took less than its price goes back to its asker.
     void over(const Question& question);
@@ -111,21 +121,22 @@ class Questions {
     /// Ends the wait of take(), now or the next one, and lets the others look for what is ready.
     void wake();
     /// Refuses all that wait and all that come; take_to_answer() has ended.
-    void close(const Error& why);
+    void close(Error why);
 
     std::uint64_t asked() const;
     std::uint64_t over_budget() const; ///< refused for it
     std::size_t bytes() const;         ///< of those that wait or are worked on
 
   private:
+    using Waiting = std::list<Question>;
     struct Line { ///< of one asker
         Line(const WorkBudget& budget, double now_s, double all_us)
             : account(budget, now_s), virtual_us(all_us) {}
 
-        std::deque<Question> waiting;
-        std::size_t bytes = 0;     ///< of them
-        std::size_t worked_on = 0; ///< taken, and neither put back nor over
-        std::size_t longs = 0;     ///< of these not prompt
+        Waiting waiting;
+        std::size_t bytes = 0; ///< of them
+        Waiting worked_on;     ///< taken, and neither put back nor over: where each was
+        std::size_t longs = 0; ///< of these not prompt
         Account account;
         double virtual_us;      ///< what it has been served, or what all had when it came
         std::uint64_t turn = 0; ///< when it was served last, or came
@@ -133,7 +144,7 @@ class Questions {
     using Lines = std::map<Asker, Line, Asker::Order>;
     struct Place {
         Lines::iterator line;
-        std::deque<Question>::iterator question;
+        Waiting::iterator question;
         double finish_us; ///< by which it would be done if all had equal shares
     };
 
@@ -141,14 +152,15 @@ class Questions {
     Line* admit(std::unique_lock<std::mutex>& lock, Question& question);
     Line& line_of(const Asker& asker);
     void forget_who_left();
-    void add(Line& line, Question question, bool first = false);
+    void add(Line& line, Waiting one, bool first = false);
     std::optional<Place> next(Hand hand);
     /// The first of its line that is ready for this hand, of the prompt ones; of the others the first that is
     /// ready at all, if it is for this hand.
     static std::optional<Place> next_of(Lines::iterator line, Hand hand, bool prompt);
     static void earlier(std::optional<Place>& best, const std::optional<Place>& other);
     Question taken(const Place& place);
-    void given_back(Line& line, const Question& question);
+    /// Where it was, or another: they are empty.
+    Waiting given_back(Line& line, const Question& question);
     std::optional<Error> why_not(std::size_t bytes, Line& line);
     std::optional<Error> over_its_budget(Line& line);
     std::condition_variable& waits_for(Hand hand) {

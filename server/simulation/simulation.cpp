@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/elapsed.h"
+#include "base/for_want_of_memory.h"
 #include "base/thread_name.h"
 #include "server/host/refusal.h"
 #include "server/simulation/fetched_parts.h"
@@ -102,9 +103,13 @@ void Simulation::run() {
         }
     }
     heartbeat_.rests();
-    questions_.close(source_.failure().value_or(Error{Refusal::gone, "the server stops"}));
+    // Nobody is behind this who would take what is thrown. Without memory for the reason who waits is told at least that this is the end.
+    if (!tried_for_a_second([&] {
+            questions_.close(source_.failure().value_or(Error{Refusal::gone, "the server stops"}));
+        }))
+        questions_.close(Error{Refusal::gone, "it is over"});
     if (source_.failure() && events_.on_failure)
-        events_.on_failure(source_.failure()->message);
+        (void)tried_for_a_second([&] { events_.on_failure(source_.failure()->message); });
 }
 
 bool Simulation::work_ahead() {

@@ -8,20 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "base/for_want_of_memory.h"
 #include "base/undo.h"
 #include "server/host/refusal.h"
 
 namespace seaway::server {
 
 namespace {
-
-/// Who asked himself, on a thread that many wait for, is told by what is thrown.
-void refuse_surely(const Question& question, const Error& why) {
-    if (question.askers)
-        return question.refuse(why);
-    (void)tried_for_a_second([&] { question.refuse(why); }); // others give some back soon
-}
 
 bool answered(Questions& questions, Question& question, const std::function<bool()>& slice) {
     using Clock = std::chrono::steady_clock;
@@ -30,10 +22,12 @@ bool answered(Questions& questions, Question& question, const std::function<bool
     try {
         done = slice();
     } catch (const std::bad_alloc&) {
-        refuse_surely(question, no_memory());
+        refuse_surely(question, no_memory);
     } catch (const std::system_error& error) { // a thread that could not be started
-        refuse_surely(question, busy(fmt::format("the system gives no more: {}, try again later",
-                                                 error.code().message())));
+        refuse_surely(question, [&error] {
+            return busy(fmt::format("the system gives no more: {}, try again later",
+                                    error.code().message()));
+        });
     }
     questions.spent(question,
                     std::chrono::duration<double, std::micro>(Clock::now() - start).count());
@@ -53,7 +47,7 @@ bool done_or_lost(Questions& questions, Question& question, const std::function<
 template <class Why>
 void refuse_and_end(Questions& questions, Question& question, const Why& why) {
     try {
-        refuse_surely(question, why());
+        refuse_surely(question, why);
     } catch (const std::bad_alloc&) {
         questions.over(question);
         throw;

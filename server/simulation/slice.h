@@ -7,7 +7,7 @@
 namespace seaway::server {
 
 /// Works on it once, and puts it back, or ends it: answered, or refused where its asker has gone or the system
-/// gives no memory or no thread. Nothing is thrown, but std::bad_alloc: then the question is lost.
+/// gives no memory or no thread. Nothing is thrown, but std::bad_alloc where who asked works on it himself and could not be told.
 void work_on_slice(Questions& questions, Question question);
 /// The same by another slice than its own.
 void work_on_slice(Questions& questions, Question question, const std::function<bool()>& slice);

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <future>
 #include <mutex>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -115,7 +116,8 @@ struct Bench {
     std::atomic<int> no_memory = 0;                ///< of the next calls
     std::atomic<int> trims = 0;                    ///< of the device
     std::atomic<int> warnings = 0;
-    std::atomic<int> uploads = 0; ///< of the sea to a device
+    std::atomic<int> uploads = 0;    ///< of the sea to a device
+    std::atomic<int> speechless = 0; ///< no memory for the next words of its end
     std::promise<std::string> failed;
     Subscriptions subscriptions;
     std::unique_ptr<Simulation> simulation;
@@ -141,7 +143,11 @@ struct Bench {
                  (rate == 0 ? published : published_rarer).push_back(keyframe);
              },
              [this](const std::string&) { ++warnings; },
-             [this](const std::string& why) { failed.set_value(why); }},
+             [this](const std::string& why) {
+                 if (speechless-- > 0)
+                     throw std::bad_alloc();
+                 failed.set_value(why);
+             }},
             budget, memory, answer_threads);
         simulation = std::move(started).value();
         subscriptions.on_change([this] { simulation->demand_changed(); });

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points are answered by threads of their own: whatever the simulation thread is at, in any number of
 // threads, with the same bits; and what that thread alone can do is left to it.
+#include <algorithm>
 #include <bit>
+#include <memory>
+#include <new>
+#include <utility>
 
 #include "tests/server/simulation/simulation_bench.h"
+#include "tests/support/allocations.h"
 #include "tests/support/eventually.h"
 
 namespace seaway::server {
@@ -255,6 +260,54 @@ TEST(Hands, a_long_question_in_one_hand_keeps_the_next_of_its_asker_from_the_oth
     answers.join();
     EXPECT_TRUE(over_before);
     EXPECT_EQ(order, "fetch batch");
+}
+
+// Naive: its place in line is made anew each time, and where there is no memory for that the question is lost and nobody hears of it.
+TEST(Hands, what_goes_on_comes_back_into_its_line_without_memory) {
+    for (const bool prompt : {true, false}) {
+        Questions questions;
+        std::string order;
+        const auto here = std::make_shared<char>();
+        for (const char* name : {"a", "b", "c"})
+            questions.ask(question_for(Hand::answers, Asker(here), name, order, prompt));
+        for (int i = 0; i < 8; ++i) {
+            std::optional<Question> taken = questions.take_to_answer();
+            ASSERT_TRUE(taken);
+            const tests::NoMemoryOnce none(0);
+            questions.put_back(*std::move(taken));
+        }
+        for (int i = 0; i < 3; ++i) {
+            const std::optional<Question> taken = questions.take_to_answer();
+            ASSERT_TRUE(taken);
+            taken->slice();
+            questions.over(*taken);
+        }
+        std::ranges::sort(order);
+        EXPECT_EQ(order, "abc") << "each is there, once";
+    }
+}
+
+// Naive: the first refusal for which there is no memory is the last one, and the thread that says them ends with it.
+TEST(Hands, whoever_waits_or_comes_back_at_the_end_is_refused_though_there_is_no_memory_at_first) {
+    Questions questions;
+    std::string order, told;
+    const auto asked = [&](const char* name) {
+        Question question = question_for(Hand::simulation, someone, name, order);
+        question.refuse = [&told, name, first = std::make_shared<bool>(true)](const Error& why) {
+            if (std::exchange(*first, false))
+                throw std::bad_alloc();
+            told += name + why.message + " ";
+        };
+        return question;
+    };
+    for (const char* name : {"a ", "b ", "c "})
+        questions.ask(asked(name));
+    std::optional<Question> taken = questions.take(0);
+    ASSERT_TRUE(taken);
+    questions.close(Error{Refusal::gone, "ends"});
+    EXPECT_EQ(told, "b ends c ends ");
+    questions.put_back(*std::move(taken));
+    EXPECT_EQ(told, "b ends c ends a ends ");
 }
 
 TEST(Hands, who_comes_back_after_the_end_is_refused_with_the_reason) {

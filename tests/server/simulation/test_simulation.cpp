@@ -246,6 +246,15 @@ TEST(Simulation, a_device_that_stays_lost_ends_it_with_its_reason) {
     EXPECT_TRUE(bench.surface(0).error().is(Refusal::gone));
 }
 
+// Naive: what is thrown leaves its thread, which ends the process.
+TEST(Simulation, its_end_is_told_though_there_is_no_memory_to_say_so_at_first) {
+    Bench bench;
+    bench.speechless = 2;
+    *bench.failures = 1000;
+    EXPECT_FALSE(bench.try_answer({{1.0, 2.0, 0}}));
+    EXPECT_NE(bench.failed.get_future().get().find("DEVICE_LOST"), std::string::npos);
+}
+
 TEST(Simulation, questions_that_wait_when_it_ends_are_refused_with_the_reason) {
     std::promise<void> gate;
     std::promise<void> entered;
