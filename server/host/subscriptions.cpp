@@ -7,20 +7,29 @@
 namespace seaway::server {
 
 void Subscriptions::set(SessionId session, const Demand& grant) {
+    if (grant.empty())
+        return erase(session);
     {
         Demand now = grant; // where there is no memory for it nothing has changed
         const std::scoped_lock lock(mutex_);
         const auto [at, is_new] = grants_.try_emplace(session);
         if (!is_new)
             --of_quality_[at->second.quality];
-        if (now.empty()) {
-            grants_.erase(at);
-            if (is_new)
-                return;
-        } else {
-            ++of_quality_[now.quality];
-            at->second = std::move(now);
-        }
+        ++of_quality_[now.quality];
+        at->second = std::move(now);
+    }
+    if (changed_)
+        changed_();
+}
+
+void Subscriptions::erase(SessionId session) {
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto at = grants_.find(session);
+        if (at == grants_.end())
+            return;
+        --of_quality_[at->second.quality];
+        grants_.erase(at);
     }
     if (changed_)
         changed_();

@@ -78,7 +78,8 @@ class Subscriptions {
 
     /// Sets or replaces what a session was granted; an empty grant takes it away.
     void set(SessionId session, const Demand& grant);
-    void erase(SessionId session) { set(session, {}); }
+    /// Takes no memory: a session may end because there is none.
+    void erase(SessionId session);
 
     std::optional<Demand> find(SessionId session) const;
     std::size_t size() const;

@@ -430,8 +430,8 @@ void Session::end(std::string_view reason, std::string_view why) {
         return;
     ended_ = true;
     here_ = nullptr;
+    core_.sessions.erase(id_); // before all for which there may be no memory: it ends once
     on_unsubscribe();
-    core_.sessions.erase(id_);
     core_.counters.outboxes += outbox_.counters();
     ++core_.counters.sessions_closed[std::string(reason)];
     const std::chrono::duration<double> open = std::chrono::steady_clock::now() - opened_;

@@ -4,6 +4,7 @@
 
 #include "server/host/asker.h"
 #include "server/host/subscriptions.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::server {
 namespace {
@@ -89,6 +90,23 @@ TEST(Subscriptions, an_empty_grant_is_none_and_only_changes_are_told) {
     all.set(1, {});
     EXPECT_EQ(changes, 2);
     EXPECT_EQ(all.size(), 0u);
+}
+
+// Naive: who has nothing is entered to be taken out again, and where there is no memory for that what comes behind it is left undone.
+TEST(Subscriptions, to_take_away_a_grant_or_none_takes_no_memory) {
+    Subscriptions all;
+    all.set(1, {.cascades = 1u, .fields = {Field::height}});
+    {
+        const tests::NoMemoryOnce none(0);
+        const tests::Allocations asked;
+        all.erase(7);
+        all.set(7, {});
+        all.erase(1);
+        all.erase(1);
+        EXPECT_EQ(asked.count(), 0u);
+    }
+    EXPECT_EQ(all.size(), 0u);
+    EXPECT_TRUE(all.qualities().none());
 }
 
 // Gone with the session, or with the question that was given up; who stays and asks about nothing in
