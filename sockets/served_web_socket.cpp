@@ -13,6 +13,7 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
+#include "base/undo.h"
 #include "sockets/frame_header.h"
 #include "sockets/upgrade.h"
 
@@ -254,8 +255,11 @@ void ServedWebSocket::Impl::read_frames(std::span<const std::uint8_t> bytes, Rea
                 bool& is;
                 ~Calling() { is = false; }
             } const calls{calling = true};
+            // What reads on may own this socket, and would be held by it for ever.
+            Undo asked([&] { (void)std::exchange(wanted, nullptr); });
             const bool more = ++given < messages_a_turn && FrameReader::gives_message(bytes);
             std::exchange(done, nullptr)(Message{frame.bytes, frame.binary, more});
+            asked.keep();
         }
             done = std::exchange(wanted, nullptr);
             break;

@@ -39,6 +39,7 @@ class ServedWebSocket {
 
     /// The next message, or an error of a kind of WebSocketEnd, behind which there is none. Pings are answered; where
     /// nothing is read, they are not. While an answer has not gone and a second one waits nothing more is received.
+    /// What throws out of `done` has read nothing: a read() within it is forgotten.
     void read(Read done);
     /// After an error of kind `closed` or `not_understood`: says the last word, unless it has been said, and waits for the peer
     /// to go, for handshake_patience at most. Closed at once, the system would throw away what the peer has not read yet.

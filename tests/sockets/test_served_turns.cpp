@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Of many messages of one arrival some are given, and then others have their turn.
 #include <algorithm>
+#include <chrono>
 #include <deque>
 #include <functional>
+#include <memory>
+#include <new>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -66,6 +69,23 @@ TEST_F(ServedTurns, what_is_left_of_many_messages_waits_for_the_turn_that_it_is_
         << "whoever answers some together knows when there are no more";
     say({part.begin() + 10, part.end()});
     run_until([&] { return heard.size() == 2 * a_turn + 4; });
+}
+
+// Naive: a reader that owns the socket, as those of connections do, is held by it from then on, and nobody hears of its end.
+TEST_F(ServedTurns, who_reads_on_and_then_finds_no_memory_is_not_held) {
+    const auto owner = std::make_shared<char>();
+    server->read([this, owner](const Result<ServedWebSocket::Message>&) {
+        server->read([owner](const Result<ServedWebSocket::Message>&) {});
+        throw std::bad_alloc();
+    });
+    say(client_frame(FrameBytes(20)));
+    pair->io.restart();
+    EXPECT_THROW(pair->io.run_for(std::chrono::seconds(20)), std::bad_alloc);
+    EXPECT_EQ(owner.use_count(), 1);
+    read_all();
+    say(client_frame(FrameBytes(21)));
+    run_until([&] { return heard.size() == 1; });
+    EXPECT_EQ(heard[0].size(), 21u) << "the next one goes to who reads then";
 }
 
 TEST_F(ServedTurns, who_is_closed_while_what_he_said_waits_ends_with_an_error) {
