@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -31,16 +32,17 @@ class MapBytes final : public ByteSource {
 
     std::vector<std::uint8_t> next() override {
         if (!header_sent_) {
+            std::vector<std::uint8_t> bytes(header_.begin(), header_.end());
             header_sent_ = true;
-            return {header_.begin(), header_.end()};
+            return bytes;
         }
-        if (!stream_->ready())
+        if (!chunk_ && stream_->ready())
+            chunk_ = stream_->next_chunk();
+        if (!chunk_)
             return {};
-        const std::optional<sea::MapChunk> chunk = stream_->next_chunk();
-        if (!chunk)
-            return {};
-        std::vector<std::uint8_t> bytes(chunk->values.size() * sizeof(float));
-        std::memcpy(bytes.data(), chunk->values.data(), bytes.size());
+        std::vector<std::uint8_t> bytes(chunk_->values.size() * sizeof(float));
+        std::memcpy(bytes.data(), chunk_->values.data(), bytes.size());
+        chunk_.reset();
         return bytes;
     }
 
@@ -50,6 +52,7 @@ class MapBytes final : public ByteSource {
     std::uint64_t size_;
     bool header_sent_ = false;
     std::unique_ptr<sea::MapStream> stream_;
+    std::optional<sea::MapChunk> chunk_; ///< the next one, until there is memory for its bytes
 };
 
 Error bad_value(std::string why) {

@@ -22,7 +22,7 @@ Result<sea::MapRequest> read_map_request(const std::map<std::string, std::string
 /// Of the whole answer, header and rows.
 std::uint64_t bytes_of_map(const sea::MapRequest& request);
 
-/// Starts to compute. The source keeps `place`.
+/// Starts to compute. The source keeps `place`. What its next() finds no memory for (std::bad_alloc) comes with the one after.
 Result<std::unique_ptr<ByteSource>> start_map(const sea::MapRequest& request,
                                               const sea::Surface& surface, Room::Place place,
                                               std::function<void()> on_ready);

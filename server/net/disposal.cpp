@@ -17,12 +17,12 @@ void Disposal::stop() {
         thread_.join();
 }
 
-void Disposal::take(std::shared_ptr<void> thing) {
+void Disposal::take(Things one) {
     {
         const std::scoped_lock lock(mutex_);
         if (ending_)
             return;
-        things_.push_back(std::move(thing));
+        things_.splice(things_.end(), one);
     }
     wake_.notify_one();
 }

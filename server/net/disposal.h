@@ -4,7 +4,7 @@
 #pragma once
 
 #include <condition_variable>
-#include <deque>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -18,8 +18,12 @@ class Disposal {
     Disposal(const Disposal&) = delete;
     Disposal& operator=(const Disposal&) = delete;
 
+    /// One thing, in what it takes to wait here: made where there is memory, it may end where there is none.
+    using Things = std::list<std::shared_ptr<void>>;
+
     /// Lets go of it, elsewhere and soon; after stop() here and at once.
-    void take(std::shared_ptr<void> thing);
+    void take(Things one);
+    void take(const std::shared_ptr<void>& thing) { take(Things(1, thing)); }
 
     /// Waits until all that was taken has ended. Idempotent. What is taken may hold the owner of this:
     /// who has taken anything stops before it lets go of the owner.
@@ -30,7 +34,7 @@ class Disposal {
 
     std::mutex mutex_;
     std::condition_variable wake_;
-    std::deque<std::shared_ptr<void>> things_;
+    Things things_;
     bool ending_ = false;
     std::thread thread_;
 };

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/undo.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
 #include "server/host/refusal.h"
@@ -44,8 +45,8 @@ void FetchJob::bring(Result<FetchedPart> fetched) {
     const std::shared_ptr<Core> alive = core_.lock();
     if (alive == nullptr)
         return;
-    if (!fetched)
-        return end(fetched.error());
+    if (!fetched) // an asker that has not left seems gone once there was no memory to tell it the end
+        return end(asker_.gone() ? no_memory() : fetched.error());
     const auto slice = [self = shared_from_this(),
                         part =
                             std::make_shared<Part>(Part{*std::move(fetched)})](Encoder& encoder) {
@@ -125,12 +126,15 @@ void FetchJob::keep_sea_state(std::uint32_t epoch) {
         encoded_.sea_states.push_back(std::move(sea_state));
 }
 
-/// Only the first end counts.
+/// Only the first end that is told counts. Behind one for which there was no memory nothing is worked on any more, and
+/// whoever comes next tells it.
 void FetchJob::end(Result<FetchedTiles> encoded) {
     if (ended_.exchange(true))
         return;
+    Undo told([&] { ended_ = false; });
     wanted_here_ = nullptr;
     give_back_(std::move(encoded));
+    told.keep();
 }
 
 } // namespace seaway::server

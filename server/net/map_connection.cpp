@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <memory>
+#include <new>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/steady_timer.hpp>
@@ -29,26 +32,11 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
           line_timer_(socket_.get_executor()) {}
 
     void run(std::map<std::string, std::string> parameters) {
-        socket_.expires_never(); // the host answers; what it takes is bounded there
-        watch_peer();
-        const bool may_come = core().map_places.ask(
-            peer_.address,
-            [weak = weak_from_this(), parameters = std::move(parameters)](MapPlaces::Place place) {
-                if (const auto self = weak.lock(); self != nullptr && self->here_ != nullptr)
-                    self->start(parameters, std::move(place));
-            },
-            [weak = weak_from_this()] {
-                const auto self = weak.lock();
-                return self != nullptr && self->here_ != nullptr;
-            });
-        if (!may_come)
-            respond({.status = 503,
-                     .body = "as many maps are being made as there are places, try again later\n",
-                     .retry_after_s = 1});
-        else if (place_ == nullptr) {
-            core().waiting_for_maps.insert(shared_from_this());
-            wait_in_line();
-        }
+        or_end([&] {
+            socket_.expires_never(); // the host answers; what it takes is bounded there
+            watch_peer();
+            ask(std::move(parameters));
+        });
     }
 
     // ---- MapReader -------------------------------------------------------------------------
@@ -69,14 +57,64 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
 
     Core& core() { return *slot_.core(); }
 
+    /// A map for whose next step there is no memory is over.
+    template <class Work>
+    void or_end(Work work) {
+        try {
+            work();
+        } catch (const std::bad_alloc&) {
+            end_map();
+            throw;
+        }
+    }
+    /// What follows a step of the socket. The map is over, too, where nothing does: of a write in many parts one may find no memory.
+    template <class Next>
+    auto then(Next next) {
+        struct Step {
+            explicit Step(std::shared_ptr<MapConnection> of) : self(std::move(of)) {}
+            ~Step() {
+                if (!came)
+                    self->end_map();
+            }
+            const std::shared_ptr<MapConnection> self;
+            bool came = false;
+        };
+        return [step = std::make_shared<Step>(shared_from_this()),
+                next = std::move(next)](error_code error, std::size_t bytes = 0) {
+            step->came = true;
+            step->self->or_end([&] { next(error, bytes); });
+        };
+    }
+
+    void ask(std::map<std::string, std::string> parameters) {
+        const bool may_come = core().map_places.ask(
+            peer_.address,
+            [weak = weak_from_this(), parameters = std::move(parameters)](MapPlaces::Place place) {
+                if (const auto self = weak.lock(); self != nullptr && self->here_ != nullptr)
+                    self->or_end([&] { self->start(parameters, std::move(place)); });
+            },
+            [weak = weak_from_this()] {
+                const auto self = weak.lock();
+                return self != nullptr && self->here_ != nullptr;
+            });
+        if (!may_come)
+            respond({.status = 503,
+                     .body = "as many maps are being made as there are places, try again later\n",
+                     .retry_after_s = 1});
+        else if (place_ == nullptr) {
+            core().waiting_for_maps.insert(shared_from_this());
+            wait_in_line();
+        }
+    }
+
     void wait_in_line() {
         line_timer_.expires_after(std::chrono::seconds(1));
         line_timer_.async_wait([weak = weak_from_this()](error_code gone) {
             const auto self = weak.lock();
             if (gone || self == nullptr || self->here_ == nullptr || self->place_ != nullptr)
                 return;
-            self->core().map_places.look_again();
-            self->wait_in_line();
+            self->or_end([&] { self->wait_in_line(); });
+            self->core().map_places.look_again(); // somebody else may find no memory in it
         });
     }
 
@@ -87,7 +125,7 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
         const auto more_rows = [weak, core_ptr] {
             core_ptr->post([weak] {
                 if (const auto self = weak.lock())
-                    self->write_map();
+                    self->or_end([&] { self->write_map(); });
             });
         };
         core().waiting_for_maps.insert(shared_from_this());
@@ -96,7 +134,7 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
                             auto shared = std::make_shared<decltype(made)>(std::move(made));
                             core_ptr->post([weak, core_ptr, shared] {
                                 if (const auto self = weak.lock())
-                                    self->begin_map(*shared);
+                                    self->or_end([&] { self->begin_map(*shared); });
                                 else
                                     core_ptr->disposal.take(shared);
                             });
@@ -107,14 +145,14 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
     /// says meanwhile is not looked at: a map ends its connection, and so does who says too much.
     void watch_peer() {
         socket_.async_read_some(asio::buffer(unasked_),
-                                [self = shared_from_this()](error_code error, std::size_t bytes) {
-                                    if (self->here_ == nullptr)
+                                then([this](error_code error, std::size_t bytes) {
+                                    if (here_ == nullptr)
                                         return;
-                                    self->unasked_bytes_ += bytes;
-                                    if (!error && self->unasked_bytes_ <= unasked_bytes_max)
-                                        return self->watch_peer();
-                                    self->end_map();
-                                });
+                                    unasked_bytes_ += bytes;
+                                    if (!error && unasked_bytes_ <= unasked_bytes_max)
+                                        return watch_peer();
+                                    end_map();
+                                }));
     }
 
     void begin_map(Result<std::unique_ptr<ByteSource>>& made) {
@@ -129,21 +167,20 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
         if (here_ == nullptr)
             return end_map();
         begin_map_write();
-        write_map_header(core(), socket_, map_->size(),
-                         [self = shared_from_this()](error_code error) {
-                             self->core().map_places.reads(self->weak_from_this());
-                             self->on_map_written(error);
-                         });
+        write_map_header(core(), socket_, map_->size(), then([this](error_code error, std::size_t) {
+                             core().map_places.reads(weak_from_this());
+                             on_map_written(error);
+                         }));
     }
 
     /// Why there is no map.
     void respond(const Page& page) {
-        const auto self = shared_from_this();
-        core().waiting_for_maps.erase(self);
+        core().waiting_for_maps.erase(shared_from_this());
         here_ = nullptr;
         place_ = nullptr;
-        write_page(core(), socket_, page, false, false,
-                   [self](error_code error) { error ? self->failed(error) : self->close(); });
+        write_page(core(), socket_, page, false, false, then([this](error_code error, std::size_t) {
+                       error ? failed(error) : close();
+                   }));
     }
 
     void write_map() {
@@ -157,10 +194,10 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
         }
         begin_map_write();
         asio::async_write(socket_, asio::buffer(map_chunk_),
-                          [self = shared_from_this()](error_code error, std::size_t) {
-                              self->map_sent_ += self->map_chunk_.size();
-                              self->on_map_written(error);
-                          });
+                          then([this](error_code error, std::size_t) {
+                              map_sent_ += map_chunk_.size();
+                              on_map_written(error);
+                          }));
     }
 
     /// The peer has write_timeout for each piece, and for all that it is behind the least rate.
@@ -186,25 +223,25 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
         write_map();
     }
 
-    void end_map() {
+    /// Takes no memory.
+    void end_map() noexcept {
         const auto self = shared_from_this();
         core().waiting_for_maps.erase(self);
         here_ = nullptr;
-        // Its threads end in their own time, and its place comes back when they have.
-        if (map_)
+        if (map_ && place_ != nullptr)
             core().map_places.ends(place_);
-        if (map_)
-            core().disposal.take(
-                std::make_shared<std::pair<MapPlaces::Place, std::unique_ptr<ByteSource>>>(
-                    std::move(place_), std::move(map_)));
+        if (map_) { // its threads end in their own time, and its place comes back when they have
+            *std::exchange(made_, nullptr) = Made(std::move(place_), std::move(map_));
+            core().disposal.take(std::move(ends_));
+        }
         place_ = nullptr;
         close();
     }
 
     void failed(error_code error) {
+        socket_.close();
         if (!is_usual_end(error))
             note_bad_peer(core(), peer_, "http", error.message());
-        socket_.close();
     }
 
     void close() {
@@ -223,6 +260,9 @@ class MapConnection final : public MapReader, public std::enable_shared_from_thi
     std::array<std::uint8_t, 512> unasked_{};
     std::size_t unasked_bytes_ = 0; ///< in all
     std::unique_ptr<ByteSource> map_;
+    using Made = std::pair<MapPlaces::Place, std::unique_ptr<ByteSource>>;
+    std::shared_ptr<Made> made_ = std::make_shared<Made>(); ///< what ends_ lets go of
+    Disposal::Things ends_{made_};
     std::vector<std::uint8_t> map_chunk_; ///< being written
     std::uint64_t map_sent_ = 0;
     bool map_writing_ = false;

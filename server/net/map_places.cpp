@@ -49,13 +49,16 @@ bool MapPlaces::make_room() {
 void MapPlaces::look_again() {
     take_returned(state_);
     forget_who_left(*state_);
+    next_begins(state_); // for whom there was no memory
     if (static_cast<int>(state_->waiting.size()) > state_->ending)
         make_room();
 }
 
 void MapPlaces::wait(const AddressPtr& address, Begin begin, Waits waits) {
     ++state_->by_address[address.get()];
+    Undo counted([&] { give_back(*state_, address); });
     state_->waiting.push_back({address, std::move(begin), std::move(waits)});
+    counted.keep();
 }
 
 void MapPlaces::forget_who_left(State& state) {
@@ -120,11 +123,20 @@ void MapPlaces::gave_back(const std::shared_ptr<State>& state, const Returned& r
     state->ending -= returned.ended;
     give_back(*state, returned.address);
     forget_who_left(*state);
+    next_begins(state);
+}
+
+void MapPlaces::next_begins(const std::shared_ptr<State>& state) {
     if (state->waiting.empty() || state->taken >= state->most)
         return;
+    const AddressPtr address = state->waiting.front().address;
+    ++state->by_address
+          [address.get()]; // of the place: where there is no memory for it the line is as it was
+    Place its = place(state, address);
     const Waiting next = std::move(state->waiting.front());
     state->waiting.pop_front();
-    next.begin(place(state, next.address));
+    give_back(*state, address); // of the line
+    next.begin(std::move(its));
 }
 
 } // namespace seaway::server

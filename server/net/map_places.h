@@ -92,6 +92,8 @@ class MapPlaces {
     static Place place(const std::shared_ptr<State>& state, const AddressPtr& address);
     static void take_returned(const std::shared_ptr<State>& state);
     static void gave_back(const std::shared_ptr<State>& state, const Returned& returned);
+    /// Who is first in line, if a place is free.
+    static void next_begins(const std::shared_ptr<State>& state);
     void wait(const AddressPtr& address, Begin begin, Waits waits);
     static void forget_who_left(State& state);
     static void give_back(State& state, const AddressPtr& address);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bulk maps: what may be asked for, and what the world makes of it.
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <memory>
+#include <new>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -16,6 +19,7 @@
 #include "server/world.h"
 #include "tests/server/simulation/simulation_bench.h"
 #include "tests/server/stopped_clock.h"
+#include "tests/support/allocations.h"
 #include "tests/support/eventually.h"
 
 namespace seaway::server {
@@ -152,6 +156,48 @@ TEST(World, a_map_of_each_kind_is_as_long_as_it_says) {
         EXPECT_EQ(bytes, map->size()) << kind;
         EXPECT_TRUE(map->next().empty()) << kind;
     }
+}
+
+/// A header and two chunks.
+std::unique_ptr<ByteSource> map_in_three(const sea::Surface& surface) {
+    const auto request = read_map_request(with(with(some_map, "columns", "512"), "rows", "512"), 0);
+    EXPECT_TRUE(request);
+    auto map = start_map(*request, surface, nullptr, [] {});
+    EXPECT_TRUE(map);
+    return *std::move(map);
+}
+
+void append_next(std::vector<std::uint8_t>& to, ByteSource& map) {
+    std::vector<std::uint8_t> piece;
+    EXPECT_TRUE(tests::eventually([&] { return !(piece = map.next()).empty(); }));
+    to.insert(to.end(), piece.begin(), piece.end());
+}
+
+/// It has something to give, and nothing to put it into.
+bool finds_no_memory(ByteSource& map) {
+    try {
+        const tests::NoMemoryOnce none(0);
+        (void)map.next();
+        return false;
+    } catch (const std::bad_alloc&) {
+        return true;
+    }
+}
+
+// Naive: what there was no memory for is gone, and the rows behind it stand in its place.
+TEST(MapRequests, rows_for_which_there_was_no_memory_come_when_they_are_asked_for_again) {
+    Bench bench;
+    const Result<SurfacePtr> surface = bench.surface(0);
+    ASSERT_TRUE(surface);
+    const auto map = map_in_three(**surface), same = map_in_three(**surface);
+    std::vector<std::uint8_t> all, late;
+    for (int piece = 0; piece < 3; ++piece) {
+        append_next(all, *map);
+        EXPECT_TRUE(tests::eventually([&] { return finds_no_memory(*same); })) << piece;
+        append_next(late, *same);
+    }
+    EXPECT_EQ(all.size(), 64u + 512 * 512 * 4);
+    EXPECT_TRUE(late == all);
 }
 
 TEST(Health, is_progress_not_only_life) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/net/map_places.h"
+#include "tests/support/allocations.h"
 
 namespace seaway::tests {
 namespace {
@@ -188,6 +189,40 @@ TEST_F(Places, come_back_each_whatever_becomes_of_who_is_next) {
     places.stop();
     held.clear();
     settle();
+}
+
+// Naive: who is first in line is taken out of it before there is a place, and where there is no memory for that it stands nowhere.
+TEST_F(Places, come_to_who_waits_also_where_there_was_no_memory_for_that_at_first) {
+    int failed = 0;
+    for (std::size_t after = 0; after < 6; ++after) {
+        MapPlaces places = made(1);
+        MapPlaces::Place held, mine;
+        const auto hold = [&](MapPlaces::Place place) { held = std::move(place); };
+        ASSERT_TRUE(places.ask(one, hold, waits));
+        ASSERT_TRUE(places.ask(
+            two, [&](MapPlaces::Place place) { mine = std::move(place); }, waits));
+        held = nullptr;
+        try {
+            const NoMemoryOnce none(after);
+            settle();
+        } catch (const std::bad_alloc&) {
+            ++failed;
+            EXPECT_EQ(mine, nullptr) << after;
+        }
+        settle();
+        places.look_again(); // as who waits does each second
+        EXPECT_NE(mine, nullptr) << after;
+        mine = nullptr;
+        settle();
+        ASSERT_TRUE(places.ask(three, hold, waits));
+        EXPECT_TRUE(places.ask(
+            two, [](const MapPlaces::Place&) {}, waits))
+            << "as one that has none";
+        places.stop();
+        held = nullptr;
+        settle();
+    }
+    EXPECT_GT(failed, 1);
 }
 
 // Naive: whoever asks at the right instant has the next place, which is who asks without pause.
