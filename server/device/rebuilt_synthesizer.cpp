@@ -2,9 +2,12 @@
 #include "server/device/rebuilt_synthesizer.h"
 
 #include <algorithm>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
+
+#include "base/messages.h"
 
 namespace seaway::server {
 
@@ -55,9 +58,14 @@ Result<void> RebuiltSynthesizer::try_again(int tries, bool failed_at_work) {
     const int at = std::min(tries, device_rebuilds_max - 1);
     std::this_thread::sleep_for(device_rebuild_pauses[static_cast<std::size_t>(at)]);
     const bool last = at == device_rebuilds_max - 1;
-    return rebuild(!last            ? Making::the_same
-                   : failed_at_work ? Making::another
-                                    : Making::what_there_is);
+    try {
+        return rebuild(!last            ? Making::the_same
+                       : failed_at_work ? Making::another
+                                        : Making::what_there_is);
+    } catch (const std::system_error& problem) { // nobody further up waits for it
+        const bool threads = problem.code() == std::errc::resource_unavailable_try_again;
+        return Error{threads ? std::string(no_further_thread) : std::string(problem.what())};
+    }
 }
 
 void RebuiltSynthesizer::warn_of_memory(const Error& why) {

@@ -21,7 +21,8 @@ enum class Making {
     another,       ///< likewise, of one that can be made and fails at its work
 };
 
-/// Makes a device that holds the sea already.
+/// Makes a device that holds the sea already. What it throws where the system gives it no thread (std::system_error) is for whoever
+/// starts; later it is a try that failed.
 using SynthesizerFactory = std::function<Result<std::unique_ptr<Synthesizer>>(
     const sea::RealizationPtr& sea, std::uint32_t epoch, Making making)>;
 
