@@ -43,7 +43,8 @@ Result<void> Device::pick(const DeviceOptions& options) {
     std::vector<DeviceInfo> infos;
     for (VkPhysicalDevice device : *physical)
         infos.push_back(describe(device, static_cast<int>(infos.size())));
-    const Result<int> index = pick_device(infos, options.pick, options.draws);
+    const Result<int> index = options.only ? find_device(infos, *options.only)
+                                           : pick_device(infos, options.pick, options.draws);
     if (!index)
         return index.error();
     physical_ = (*physical)[static_cast<std::size_t>(*index)];

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,11 @@ namespace seaway::gpu {
 class Commands;
 
 struct DeviceOptions {
-    std::string pick = "auto"; ///< see pick_device()
-    bool draws = false;        ///< one that can draw is wanted
-    bool validation = false;   ///< Khronos validation layer; for tests
-    bool staged = false;       ///< copy as if the CPU could not see device memory; for tests
+    std::string pick = "auto";               ///< see pick_device()
+    std::optional<DeviceIdentity> only = {}; ///< this very device, whatever `pick` says
+    bool draws = false;                      ///< one that can draw is wanted
+    bool validation = false;                 ///< Khronos validation layer; for tests
+    bool staged = false; ///< copy as if the CPU could not see device memory; for tests
     std::vector<std::string> instance_extensions; ///< of a window system
     std::vector<std::string> device_extensions;   ///< VK_KHR_swapchain
 };

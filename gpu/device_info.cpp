@@ -44,6 +44,10 @@ std::string names_of(std::span<const DeviceInfo> devices) {
     return text.empty() ? "none" : text;
 }
 
+Error cannot_be_used(const DeviceInfo& device, const std::string& why) {
+    return Error{"Vulkan device " + device.name + " cannot be used: " + why};
+}
+
 std::string why_unusable(const DeviceInfo& info, VkPhysicalDevice physical) {
     if (info.api_version < VK_API_VERSION_1_3)
         return "Vulkan " + std::to_string(VK_API_VERSION_MAJOR(info.api_version)) + "." +
@@ -108,6 +112,7 @@ DeviceInfo describe(VkPhysicalDevice physical, int index) {
         info.name = "lavapipe (" + info.name + ")";
     info.driver = std::string(v12.driverName) + " " + v12.driverInfo;
     info.type = properties.properties.deviceType;
+    info.uuid = std::to_array(v11.deviceUUID);
     info.api_version = properties.properties.apiVersion;
     info.subgroup_size = v11.subgroupSize;
     info.subgroup_shuffle =
@@ -163,10 +168,20 @@ Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wi
         if (!named || wish.empty())
             continue;
         if (const std::string why = why_not(device); !why.empty())
-            return Error{"Vulkan device " + device.name + " cannot be used: " + why};
+            return cannot_be_used(device, why);
         return device.index;
     }
     return Error{"no Vulkan device \"" + std::string(wish) + "\"; there are: " + names_of(devices)};
+}
+
+Result<int> find_device(std::span<const DeviceInfo> devices, const DeviceIdentity& which) {
+    const auto found = std::ranges::find(devices, which, &DeviceInfo::identity);
+    if (found == devices.end())
+        return Error{"Vulkan device " + which.name +
+                     " is not there; there are: " + names_of(devices)};
+    if (!found->is_usable())
+        return cannot_be_used(*found, found->unusable);
+    return found->index;
 }
 
 } // namespace seaway::gpu

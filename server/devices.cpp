@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/devices.h"
 
+#include <optional>
+#include <utility>
+
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -42,15 +45,20 @@ Result<std::unique_ptr<Synthesizer>> make_best(DeviceChoice choice, bool validat
     return made;
 }
 
-SynthesizerFactory device_factory(const Options& options) {
-    return
-        [options, had_gpu = false](const sea::RealizationPtr& sea, std::uint32_t epoch,
-                                   Making making) mutable -> Result<std::unique_ptr<Synthesizer>> {
-            SEAWAY_TRY_LET(const DeviceChoice choice, choose_device(options.device));
-            if (options.device == auto_device)
-                return make_best(choice, options.validation, sea, epoch, making, had_gpu);
-            return make(choice, options.validation, sea, epoch);
-        };
+SynthesizerFactory device_factory(const Options& options, ListDevices list) {
+    return [options, list = std::move(list), had_gpu = false,
+            first = std::optional<DeviceChoice>()](
+               const sea::RealizationPtr& sea, std::uint32_t epoch,
+               Making making) mutable -> Result<std::unique_ptr<Synthesizer>> {
+        SEAWAY_TRY_LET(const DeviceChoice choice,
+                       first ? choose_again(*first, list) : choose_device(options.device, list));
+        if (options.device == auto_device)
+            return make_best(choice, options.validation, sea, epoch, making, had_gpu);
+        Result<std::unique_ptr<Synthesizer>> made = make(choice, options.validation, sea, epoch);
+        if (made)
+            first = choice;
+        return made;
+    };
 }
 
 Result<std::string> device_list() {

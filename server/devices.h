@@ -11,9 +11,9 @@
 
 namespace seaway::server {
 
-/// Makes the device that the options name (server/device/device_choice.h), anew at each call.
-/// "auto" takes the native one as make_best() does.
-SynthesizerFactory device_factory(const Options& options);
+/// Makes the device that the options name (server/device/device_choice.h), anew at each call: the one that was made first, wherever
+/// it is listed by then, and no other. "auto" chooses each time, and takes the native one as make_best() does.
+SynthesizerFactory device_factory(const Options& options, ListDevices list = gpu::list_devices);
 
 /// Where the choice is the server's own: what is chosen, or the native device, where that cannot do this sea (it computes
 /// wrongly or has no kernels of a size), or cannot be made at all and `making` allows another. `had_gpu`: there was one, so that
