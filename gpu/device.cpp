@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/device.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -16,7 +17,28 @@ constexpr VkMemoryPropertyFlags unified_flags =
     VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
     VK_MEMORY_PROPERTY_HOST_COHERENT_BIT | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
+struct GivenUp {
+    std::mutex mutex; // guards devices
+    std::vector<VkDevice> devices;
+};
+
+/// Never destroyed: owners of handles may go later than anything here.
+GivenUp& given_up() {
+    static GivenUp* const all = new GivenUp;
+    return *all;
+}
+
 } // namespace
+
+void give_up(VkDevice device) {
+    const std::lock_guard lock(given_up().mutex);
+    given_up().devices.push_back(device);
+}
+
+bool is_given_up(VkDevice device) {
+    const std::lock_guard lock(given_up().mutex);
+    return std::ranges::find(given_up().devices, device) != given_up().devices.end();
+}
 
 Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
     std::unique_ptr<Device> made(new Device);
@@ -135,6 +157,10 @@ Result<void> Device::create(Timeline& timeline) {
 Device::~Device() {
     if (device_ == VK_NULL_HANDLE)
         return;
+    if (is_given_up(device_)) {
+        (void)instance_.release(); // its driver may still work for the device
+        return;
+    }
     vkDeviceWaitIdle(device_);
     timeline_.semaphore.reset();
     transfers_.semaphore.reset();
@@ -181,6 +207,8 @@ Result<std::uint64_t> Device::submit_transfer(const Commands& commands, std::uin
 Result<std::uint64_t> Device::submit(VkQueue queue, Timeline& timeline, const Commands& commands,
                                      const VkSemaphoreSubmitInfo& after, VkSemaphore done) {
     const std::lock_guard lock(submit_mutex_);
+    if (is_given_up(device_))
+        return no_answer();
     const std::uint64_t ticket = timeline.last_ticket + 1;
     const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
                                            .commandBuffer = commands.get()};
@@ -216,7 +244,13 @@ Result<void> Device::wait_transfer(std::uint64_t ticket) {
     return wait(transfers_, ticket);
 }
 
+Error Device::no_answer() const {
+    return {VK_TIMEOUT, info_.name + " did not answer in time, and is given up"};
+}
+
 Result<void> Device::wait(const Timeline& timeline, std::uint64_t ticket) {
+    if (is_given_up(device_))
+        return no_answer();
     const VkSemaphore semaphore = timeline.semaphore.get();
     const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
                                    .semaphoreCount = 1,
@@ -226,12 +260,21 @@ Result<void> Device::wait(const Timeline& timeline, std::uint64_t ticket) {
                                           ? std::numeric_limits<std::uint64_t>::max()
                                           : static_cast<std::uint64_t>(patience_s() * 1e9);
     Result<void> waited = call("vkWaitSemaphores", vkWaitSemaphores, device_, &info, patience_ns);
-    if (!waited) {
-        // The caller will free what the device may still be using.
-        const std::lock_guard lock(submit_mutex_);
+    if (waited)
+        return waited;
+    // The caller will free what the device may still be using.
+    const std::lock_guard lock(submit_mutex_);
+    if (waited.error().is(VK_TIMEOUT)) // it may be busy for ever
+        give_up(device_);
+    if (!is_given_up(device_))
         vkDeviceWaitIdle(device_);
-    }
     return waited;
+}
+
+void Device::wait_idle() {
+    const std::lock_guard lock(submit_mutex_);
+    if (!is_given_up(device_))
+        vkDeviceWaitIdle(device_);
 }
 
 Result<void> Device::submit_and_wait(const Commands& commands) {

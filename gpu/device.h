@@ -75,8 +75,11 @@ class Device {
     /// How long a wait lasts, s: a GPU that takes longer hangs. A processor is merely slow, and is waited for.
     double patience_s() const;
     /// Until that ticket's work is done; an error after patience_s() or if the device is lost. After
-    /// an error nothing of this device runs any more.
+    /// an error nothing of this device runs any more; or, after patience_s(), it is given up: nobody waits for it again, submit() and
+    /// wait() are errors at once, and what is made from it stays taken until the process ends, for it may still be written to.
     Result<void> wait(std::uint64_t ticket);
+    /// Until nothing of it runs, unless it is given up.
+    void wait_idle();
     Result<void> submit_and_wait(const Commands& commands);
 
     /// Queues copies, recorded for the transfer queue, that start when `after`, a ticket of submit(), is done. They have
@@ -100,6 +103,7 @@ class Device {
     Result<std::uint64_t> submit(VkQueue queue, Timeline& timeline, const Commands& commands,
                                  const VkSemaphoreSubmitInfo& after, VkSemaphore done);
     Result<void> wait(const Timeline& timeline, std::uint64_t ticket);
+    Error no_answer() const;
 
     // Order of members is order of construction; the destructor goes backwards.
     std::unique_ptr<Instance> instance_;

@@ -10,6 +10,10 @@
 
 namespace seaway::gpu {
 
+/// A device that does not answer may still use what is of it: from now on nothing of that one is destroyed (Device::wait).
+void give_up(VkDevice device);
+bool is_given_up(VkDevice device);
+
 /// Move-only owner of one device-level handle; `destroy` is volk's function pointer.
 ///     using OwnedFence = Owned<VkFence, &vkDestroyFence>;
 template <class Handle, auto* destroy>
@@ -32,8 +36,9 @@ class Owned {
     Handle get() const { return handle_; }
     explicit operator bool() const { return handle_ != Handle{}; }
     void reset() {
-        if (handle_ != Handle{})
-            (*destroy)(device_, std::exchange(handle_, Handle{}), nullptr);
+        const Handle gone = std::exchange(handle_, Handle{});
+        if (gone != Handle{} && !is_given_up(device_))
+            (*destroy)(device_, gone, nullptr);
     }
 
   private:

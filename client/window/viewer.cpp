@@ -79,7 +79,7 @@ Result<void> Viewer::create(const OpenSea& open_sea, bool validation) {
 Viewer::~Viewer() {
     sea_.reset();
     if (device_)
-        vkDeviceWaitIdle(device_->get());
+        device_->wait_idle();
 }
 
 double Viewer::age_s() const {
@@ -231,7 +231,7 @@ Result<void> Viewer::fit_renderer(const glm::ivec2& pixels) {
 Result<void> Viewer::create_renderer(const glm::ivec2& pixels, std::size_t quality) {
     if (renderer_)
         SEAWAY_TRY(renderer_->finish());
-    vkDeviceWaitIdle(device_->get());
+    device_->wait_idle();
     gui_->set_picture(nullptr);
     picture_is_set_ = false;
     renderer_.reset(); // two do not lie in memory at once
@@ -305,7 +305,7 @@ Result<void> Viewer::draw_sea() {
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;
     if (!picture_is_set_) {
-        vkDeviceWaitIdle(device_->get());
+        device_->wait_idle();
         gui_->set_picture(&renderer_->shown());
         picture_is_set_ = true;
     }

@@ -51,9 +51,9 @@ Swapchain::Swapchain(Swapchain&& other) noexcept
       generation_(other.generation_) {}
 
 Swapchain::~Swapchain() {
-    if (surface_ == VK_NULL_HANDLE)
+    if (surface_ == VK_NULL_HANDLE || is_given_up(device_->get()))
         return;
-    vkDeviceWaitIdle(device_->get());
+    device_->wait_idle();
     destroy_surface();
 }
 
