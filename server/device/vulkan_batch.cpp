@@ -163,6 +163,7 @@ void VulkanBatch::dispatch_jacobian(Slot& slot, const Target& target, const Pack
 }
 
 void VulkanBatch::trim() {
+    let_ring_go();
     if (!device_.info().is_cpu() || ++trims_ % VulkanMaps::kept_trims != 0)
         return;
     for (const Buffer& scratch : scratch_)

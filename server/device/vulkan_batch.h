@@ -63,7 +63,7 @@ class VulkanBatch {
             nullptr;                    ///< the Jacobian; the strains must be in the packing
         const FoamWork* foam = nullptr; ///< histories go on
         const Rounding* rounding =
-            nullptr; ///< where memory is not read in place, of maps that are not held
+            nullptr; ///< where memory is not read in place, of maps that are not held; see can_round()
     };
     /// Computes; with an empty packing only what comes after. Maps go to those that are held, from `first_held` on, or
     /// to memory of this object, from where read_map() copies them.
@@ -76,8 +76,11 @@ class VulkanBatch {
     static constexpr RunId own = ring_slots;
 
     /// Is there memory for one more run that others follow? The ring is made when it is first asked for; where that has once been
-    /// too much, runs go one after the other.
+    /// too much, runs go one after the other, and what there is of it is let go of.
     Result<bool> can_be_followed();
+    /// Is there memory for what the next run has besides where it is rounded? Made when it is first asked for; where that has once
+    /// been too much, no more of it is. `more`: as start() takes it.
+    Result<bool> can_round(bool more);
 
     /// The first half of run(): it is under way. `more`: another may be started before this one is finished, at most
     /// ring_slots at a time; where memory is not read in place and can_be_followed(). Without `more` there is no other way for it to go than
@@ -114,7 +117,7 @@ class VulkanBatch {
     Result<void> read_exactly(RunId run, std::span<const MapOf> maps);
 
     /// From time to time, between two runs: where device memory is this process's own (VulkanMaps::trim), pages between the passes of which as
-    /// many of these calls saw no need go back to the system.
+    /// many of these calls saw no need go back to the system. What is left of a ring that there is no memory for goes on any device.
     void trim();
 
     std::uint64_t dispatches() const { return dispatches_; }
@@ -184,6 +187,8 @@ class VulkanBatch {
     Slot& slot_of(RunId run) { return const_cast<Slot&>(std::as_const(*this).slot_of(run)); }
     Result<void> make(Slot& slot);
     RunId free_slot() const;
+    /// Of one that there was no memory for what is not under way: nobody asks for it.
+    void let_ring_go();
     Result<void> submit(Slot& slot, bool copies);
     Result<void> record_copying(Slot& slot);
     Result<void> make_rounding(Slot& slot);
@@ -243,6 +248,7 @@ class VulkanBatch {
     Slot own_; ///< of runs that nothing follows: their maps go to what is held, or to the scratch
     std::array<Slot, ring_slots> ring_;
     bool ring_lacks_memory_ = false;
+    bool rounding_lacks_memory_ = false;             ///< some place does
     std::chrono::steady_clock::time_point computed_; ///< when the last run was seen to be
     std::uint64_t dispatches_ = 0;
     std::uint64_t travelled_bytes_ = 0;

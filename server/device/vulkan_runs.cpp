@@ -39,10 +39,28 @@ Result<bool> VulkanBatch::can_be_followed() {
     ring_lacks_memory_ = !made && gpu::is_out_of_memory(made.error());
     if (!made && !ring_lacks_memory_)
         return made.error();
-    for (Slot& other : ring_) // nobody asks for those that have been made
-        if (ring_lacks_memory_ && !other.under_way)
-            other = {};
+    let_ring_go();
     return !ring_lacks_memory_;
+}
+
+void VulkanBatch::let_ring_go() {
+    for (Slot& slot : ring_)
+        if (ring_lacks_memory_ && !slot.under_way)
+            slot = {};
+}
+
+Result<bool> VulkanBatch::can_round(bool more) {
+    Slot& slot = slot_of(more ? free_slot() : own);
+    const bool made_before = slot.rounding.get() != VK_NULL_HANDLE;
+    if (made_before || rounding_lacks_memory_)
+        return made_before;
+    const Result<void> made = make_rounding(slot);
+    rounding_lacks_memory_ = !made && gpu::is_out_of_memory(made.error());
+    if (!made && !rounding_lacks_memory_)
+        return made.error();
+    if (rounding_lacks_memory_)
+        slot.rounded = {}; // it may be the rest that there was no memory for
+    return !rounding_lacks_memory_;
 }
 
 Result<void> VulkanBatch::run(std::span<const Job> jobs, const Packing& packing, const After& after,
@@ -65,6 +83,8 @@ Result<VulkanBatch::RunId> VulkanBatch::start(std::span<const Job> jobs, const P
     SEAWAY_CHECK(!own_.under_way && !(more && first_held), "a run that others may follow");
     const RunId id = more ? free_slot() : own;
     Slot& slot = slot_of(id);
+    if (!more)
+        let_ring_go(); // what was under way when the memory was lacking
     if (after.foam != nullptr)
         SEAWAY_TRY(bind_foam(first_held ? held_ : slot.target, *after.foam->histories));
     if (after.rounding != nullptr)

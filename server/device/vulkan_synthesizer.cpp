@@ -87,11 +87,11 @@ class Vulkan final : public VulkanSynthesizer {
     /// Of its one request.
     Result<StandingKeyframe> run_job_there(const Run& run,
                                            std::span<const KeyframeRequest> requests);
-    /// Starts it; none: there is nothing to do on the device.
+    /// Starts it; none: there is nothing to do on the device. `rounds`: there is memory for that.
     Result<std::optional<VulkanBatch::RunId>>
     start_on_device(const Run& run, const Packing& packing,
                     std::span<const KeyframeRequest> requests,
-                    std::optional<std::size_t> first_held, bool more);
+                    std::optional<std::size_t> first_held, bool more, bool rounds);
     /// Starts and finishes it.
     Result<void> run_on_device(const Run& run, const Packing& packing,
                                std::span<const KeyframeRequest> requests,
@@ -128,8 +128,7 @@ Result<std::unique_ptr<VulkanSynthesizer>> Vulkan::create(std::shared_ptr<gpu::D
         std::make_unique<KernelShelf>(*made->device_, options.any_device_kernels, options.tuning);
     made->held_map_bytes_ = options.held_map_bytes;
     made->maps_stay_ = options.maps_stay;
-    if (const auto checked = made->kernels_->get(first_checked_size, true); !checked)
-        return checked.error();
+    SEAWAY_TRY(made->kernels_->get(first_checked_size, true));
     return std::unique_ptr<VulkanSynthesizer>(std::move(made));
 }
 
@@ -157,11 +156,10 @@ Result<void> Vulkan::set_sea(sea::RealizationPtr sea, std::uint32_t epoch) {
             groups_.erase(size);
             SEAWAY_TRY_LET(const SynthesisKernels* pipelines, kernels_->get(size, band_limited));
             SEAWAY_TRY_LET(const VulkanMaps* held, held_maps(size));
-            Result<std::unique_ptr<VulkanBatch>> made =
-                VulkanBatch::create(*device_, *pipelines, static_cast<int>(cascades.size()), held);
-            if (!made)
-                return made.error();
-            groups_[size] = {std::move(*made), cascades.size(), band_limited};
+            SEAWAY_TRY_LET(
+                std::unique_ptr<VulkanBatch> made,
+                VulkanBatch::create(*device_, *pipelines, static_cast<int>(cascades.size()), held));
+            groups_[size] = {std::move(made), cascades.size(), band_limited};
         }
         SEAWAY_TRY(groups_[size].batch->upload(cascades));
     }
@@ -274,9 +272,9 @@ auto Vulkan::counted(VulkanBatch& device_batch, const Work& work) {
 Result<std::optional<VulkanBatch::RunId>>
 Vulkan::start_on_device(const Run& run, const Packing& packing,
                         std::span<const KeyframeRequest> requests,
-                        std::optional<std::size_t> first_held, bool more) {
+                        std::optional<std::size_t> first_held, bool more, bool rounds) {
     const auto rounding =
-        first_held ? std::nullopt : rounding_of(*run.batch, packing, requests, run.indices);
+        rounds ? rounding_of(*run.batch, packing, requests, run.indices) : std::nullopt;
     std::vector<VulkanBatch::Job> jobs;
     for (const std::size_t index : run.indices)
         jobs.push_back({position_[static_cast<std::size_t>(requests[index].cascade)],
@@ -305,7 +303,7 @@ Result<void> Vulkan::run_on_device(const Run& run, const Packing& packing,
                                    std::span<const KeyframeRequest> requests,
                                    std::optional<std::size_t> first_held) {
     SEAWAY_TRY_LET(const std::optional<VulkanBatch::RunId> id,
-                   start_on_device(run, packing, requests, first_held, false));
+                   start_on_device(run, packing, requests, first_held, false, false));
     const Result<void> ran =
         id ? counted(*run.on, [&] { return run.on->finish(*id); }) : Result<void>();
     if (!ran)
@@ -363,16 +361,18 @@ Result<void> Vulkan::run_copied(const Run& run, const Packing& packing,
     if (more) {
         SEAWAY_TRY_LET(more, run.on->can_be_followed());
     }
+    SEAWAY_TRY_LET(const bool rounds,
+                   run.batch->rounds ? run.on->can_round(more) : Result<bool>(false));
     SEAWAY_TRY_LET(const std::optional<VulkanBatch::RunId> id,
-                   start_on_device(run, packing, requests, {}, more));
+                   start_on_device(run, packing, requests, {}, more, rounds));
     if (!id) { // foam alone, without a turn: whoever asked fills it
         for (const NewKeyframePtr& keyframe : keyframes)
             keyframe->values.resize(keyframe->plane_size());
         return {};
     }
-    for (std::size_t job = 0; run.batch->rounds && job < keyframes.size(); ++job)
+    for (std::size_t job = 0; rounds && job < keyframes.size(); ++job)
         keyframes[job]->rounded = rounded_maps(requests[run.indices[job]]);
-    readbacks_.add({run.on, *id, packing, {keyframes.begin(), keyframes.end()}, run.batch->rounds});
+    readbacks_.add({run.on, *id, packing, {keyframes.begin(), keyframes.end()}, rounds});
     while (!more && readbacks_.under_way() > 0) // what follows all the same has the same place
         SEAWAY_TRY(collect());
     return {};

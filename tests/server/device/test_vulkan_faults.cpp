@@ -82,7 +82,7 @@ TEST_P(VulkanFaults, any_call_that_fails_is_an_error_that_names_it_and_leaks_not
     ASSERT_GT(calls, 50u);
     const std::size_t messages = gpu::Instance::all_validation_messages();
     std::uint64_t done_without =
-        0; // memory for runs that others follow, which go one by one, or for all maps that may be held
+        0; // memory for runs that others follow, which go one by one, to round maps, or for all maps that may be held
     for (std::uint64_t n = 1; n <= calls; ++n) {
         gpu::fault::arm(n, GetParam().result, GetParam().persistent);
         const Result<void> sailed = sail(options, random);
@@ -115,6 +115,8 @@ TEST(VulkanFaultsOnce,
         return synthesizer;
     };
     const auto right = *made()->synthesize(requests);
+    const KeyframeRequest exact{0, 2'000'000, {sea::Field::height}}; // where it cannot be rounded
+    const auto not_rounded = *made()->synthesize({&exact, 1});
     int refused = 0, gone_on = 0;
     for (std::uint64_t n = 1;; ++n) {
         const auto synthesizer = made();
@@ -132,8 +134,10 @@ TEST(VulkanFaultsOnce,
         }
         const auto again = first ? first : synthesizer->synthesize(requests);
         ASSERT_TRUE(again) << n << again.error().message;
-        for (std::size_t i = 0; i < right.size(); ++i)
-            EXPECT_EQ((*again)[i]->values, right[i]->values) << n;
+        for (std::size_t i = 0; i < right.size(); ++i) {
+            const bool as_it_is = i == 2 && (*again)[i]->rounded.empty();
+            EXPECT_EQ((*again)[i]->values, (as_it_is ? not_rounded[0] : right[i])->values) << n;
+        }
     }
     EXPECT_GT(gone_on, 5) << "what the ring is made of";
     EXPECT_GT(refused, 5);
