@@ -90,8 +90,9 @@ std::size_t Image::texel_count() const {
 Result<Image> Image::create(Device& device, std::string_view name, const ImageSpec& spec) {
     SEAWAY_CHECK(spec.layers == 1 || spec.array, "layers are sampled as an array");
     const auto failed = [&](const Error& error) {
-        return Error{"image \"" + std::string(name) + "\", " + std::to_string(spec.width) + "x" +
-                     std::to_string(spec.height) + ": " + error.message};
+        return Error{error.kind, "image \"" + std::string(name) + "\", " +
+                                     std::to_string(spec.width) + "x" +
+                                     std::to_string(spec.height) + ": " + error.message};
     };
     if (Result<void> supported = check_support(device, spec); !supported)
         return failed(supported.error());

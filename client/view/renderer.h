@@ -57,7 +57,8 @@ class Renderer {
     static Result<Renderer> create(gpu::Device& device, int width, int height,
                                    const RenderOptions& options = {});
 
-    /// Starts a frame; waits for the one before the last. An error means that the device failed or lacks something.
+    /// Starts a frame; waits for the one before the last. An error means that the device failed or lacks something; where that is memory,
+    /// of which the first frame takes the most, its kind says so (gpu::is_out_of_memory).
     /// frame: 1 .. shaders::view_cascades_max cascades; camera of the renderer's width and height. `mesh_of`: the
     /// camera that the mesh is built for, if it is looked at by another.
     Result<void> draw(const SeaFrame& frame, const Camera& camera, const Sky& sky,

@@ -11,6 +11,7 @@
 #include "base/text_file.h"
 #include "client/view/look_file.h"
 #include "client/window/spectrum_curve.h"
+#include "gpu/call.h"
 
 namespace seaway::client {
 
@@ -216,16 +217,23 @@ Result<void> Viewer::fit_renderer(const glm::ivec2& pixels) {
     if (renderer_ && !other_quality && !other_size)
         return {};
     const bool first = !renderer_;
+    if (!first)
+        before_ = Fit{drawn_pixels_, drawn_quality_};
     const Result<void> made = create_renderer(pixels, choice_.quality);
     refused_pixels_ = {};
     fit_problem_.clear();
     if (made || first)
         return made;
-    fit_problem_ = fmt::format("{}, {} x {}: {}", quality_table[choice_.quality].name, pixels.x,
-                               pixels.y, made.error().message);
-    choice_.quality = drawn_quality_; // not tried again before something else is asked for
+    return go_back(pixels, choice_.quality, made.error());
+}
+
+Result<void> Viewer::go_back(const glm::ivec2& pixels, std::size_t quality, const Error& why) {
+    fit_problem_ = fmt::format("{}, {} x {}: {}", quality_table[quality].name, pixels.x, pixels.y,
+                               why.message);
+    const Fit to = *std::exchange(before_, std::nullopt);
+    choice_.quality = to.quality; // not tried again before something else is asked for
     refused_pixels_ = pixels;
-    return create_renderer(drawn_pixels_, drawn_quality_);
+    return create_renderer(to.pixels, to.quality);
 }
 
 Result<void> Viewer::create_renderer(const glm::ivec2& pixels, std::size_t quality) {
@@ -299,9 +307,15 @@ Result<void> Viewer::draw_sea() {
     const Sky sky = sky_of_frame(skies_, look, camera(), frame_->time_us);
     SeaFrame frame = *frame_;
     set_water(frame, look);
-    SEAWAY_TRY_LET(const bool drawn, draw_view(frame, sky));
+    const Result<bool> made = draw_view(frame, sky);
+    if (!made && before_ && gpu::is_out_of_memory(made.error())) {
+        SEAWAY_TRY(go_back(drawn_pixels_, drawn_quality_, made.error()));
+        return draw_sea();
+    }
+    SEAWAY_TRY_LET(const bool drawn, made);
     if (!drawn)
         return {};
+    before_.reset();
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;
     if (!picture_is_set_) {

@@ -71,11 +71,18 @@ class Viewer {
     using Clock = std::chrono::steady_clock;
     /// What a picture is of.
     using Inputs = std::pair<std::vector<double>, std::string>;
+    /// What a renderer is made for.
+    struct Fit {
+        glm::ivec2 pixels{0};
+        std::size_t quality = 0;
+    };
 
     explicit Viewer(const ViewOptions& options);
     Result<void> create(const OpenSea& open_sea, bool validation);
     Result<void> fit_renderer(const glm::ivec2& pixels);
     Result<void> create_renderer(const glm::ivec2& pixels, std::size_t quality);
+    /// From what the device cannot draw to what it drew before; why is said.
+    Result<void> go_back(const glm::ivec2& pixels, std::size_t quality, const Error& why);
     Result<void> take_sea();
     void take_input(double seconds);
     void move_with_the_sea(double seconds);
@@ -100,6 +107,8 @@ class Viewer {
     glm::ivec2 refused_pixels_{0}; ///< of a window that the device cannot draw for; 0: none
     std::string fit_problem_;      ///< why the quality or the size that was asked for is not drawn
     std::size_t drawn_quality_ = 0;
+    /// The last renderer's, until this one has drawn: its first frame takes most of its memory.
+    std::optional<Fit> before_;
     Clock::time_point wanted_since_;
     bool picture_is_set_ = false;
     std::unique_ptr<Gui> gui_;

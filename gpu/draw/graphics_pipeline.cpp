@@ -134,7 +134,7 @@ Result<GraphicsPipeline> GraphicsPipeline::create(Device& device, std::string_vi
                                                   std::span<const ExpectedBinding> bindings,
                                                   const GraphicsOptions& options) {
     const auto failed = [&](const Error& error) {
-        return Error{"pipeline \"" + std::string(name) + "\": " + error.message};
+        return Error{error.kind, "pipeline \"" + std::string(name) + "\": " + error.message};
     };
     if (!device.info().graphics)
         return failed({device.info().name + " cannot draw"});
