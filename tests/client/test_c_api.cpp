@@ -128,7 +128,7 @@ TEST_F(CInterface, the_name_that_is_given_stands_in_the_log_of_the_server) {
 
 /// Connects as the C++ client does, to hold one against the other.
 std::unique_ptr<client::Client> cpp_client(const std::string& url) {
-    auto connected = client::Client::connect({.url = url});
+    auto connected = client::Client::connect({.url = url, .timeout_s = 60});
     EXPECT_TRUE(connected) << (connected ? "" : connected.error().message);
     return connected ? std::move(*connected) : nullptr;
 }
@@ -182,7 +182,7 @@ TEST_F(CInterface, every_member_is_that_of_the_cpp_client) {
     }
     const std::int64_t times_us[] = {7'250'000, -90'000};
     ASSERT_EQ(seaway_hold(sea.handle(), times_us, 2, 0), SEAWAY_OK);
-    ASSERT_TRUE(cpp->hold(times_us, 10));
+    ASSERT_TRUE(cpp->hold(times_us, 60));
     std::memset(answers, 0xff, sizeof answers);
     ASSERT_EQ(seaway_sample(sea.handle(), points, 3, answers), SEAWAY_OK);
     const auto sampled = cpp->sample(same);

@@ -48,7 +48,7 @@ TEST_F(LiveGoesOn, leaves_nothing_behind_when_it_comes_back) {
     constexpr int clients_count = 20, rounds = 10;
     std::vector<std::unique_ptr<Client>> clients;
     for (int i = 0; i < clients_count; ++i) {
-        auto client = Client::connect({.url = url, .timeout_s = 30});
+        auto client = Client::connect({.url = url, .timeout_s = 60});
         ASSERT_TRUE(client) << client.error().message;
         ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 30));
         clients.push_back(std::move(*client));
@@ -244,7 +244,7 @@ TEST_F(LiveGoesOn, a_status_is_filled_in_as_far_as_the_program_knows_it) {
 
 // Subscribed while the line was down: refused as lost, and not subscribed to behind its back.
 TEST_F(LiveGoesOn, what_was_unsubscribed_from_stays_so) {
-    auto client = Client::connect({.url = url});
+    auto client = Client::connect({.url = url, .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 30));
     (*client)->unsubscribe();
@@ -273,7 +273,7 @@ TEST_F(LiveGoesOn, a_line_that_breaks_behind_the_first_sea_is_told_once) {
                 line->cut();
         };
         const auto client = Client::connect(
-            {.url = url, .stays_lost = true},
+            {.url = url, .timeout_s = 60, .stays_lost = true},
             {.on_sea_state = cut_early, .on_status = [&](const ClientStatus&) { ++told; }});
         if (!client && early)
             continue;

@@ -32,8 +32,8 @@ class LiveSameSea : public tests::WaveServer {
 TEST_F(LiveSameSea, a_server_that_does_not_know_the_sea_that_should_run_has_another) {
     for (const bool begun : {true, false}) {
         std::atomic<int> told = 0;
-        const auto client =
-            Client::connect({.url = url}, {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
+        const auto client = Client::connect({.url = url, .timeout_s = 60},
+                                            {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
         ASSERT_TRUE(client) << client.error().message;
         const sea::TimeUs start_us = sea.sea_time_us() + (begun ? -1'000'000 : 3'600'000'000);
         announce(sea.epoch + 2, start_us);
@@ -49,7 +49,7 @@ TEST_F(LiveSameSea, a_server_that_does_not_know_the_sea_that_should_run_has_anot
 
 // Naive: one span of time that was missed is remembered, and a second one makes the first one known.
 TEST_F(LiveSameSea, what_was_missed_in_one_outage_is_not_known_after_the_next) {
-    const auto client = Client::connect({.url = url});
+    const auto client = Client::connect({.url = url, .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     const sea::TimeUs begin_us = sea.sea_time_us();
     const auto miss_a_change = [&](std::uint32_t epoch, int connections) {
@@ -82,7 +82,7 @@ TEST_F(LiveSameSea, a_server_that_lags_behind_its_log_is_not_taken_for_another) 
     for (const bool lags : {true, false}) {
         sea.told_epoch = sea.epoch + 2;
         sea.unsure_us = 0;
-        const auto client = Client::connect({.url = url});
+        const auto client = Client::connect({.url = url, .timeout_s = 60});
         ASSERT_TRUE(client) << client.error().message;
         sea.told_epoch = sea.epoch;
         sea.unsure_us = lags ? sea.sea_time_us() + 120'000'000 : 0;
@@ -99,8 +99,8 @@ TEST_F(LiveSameSea, a_server_that_lags_behind_its_log_is_not_taken_for_another) 
 // Of a journal that was put back there is time to tell only once it should have begun.
 TEST_F(LiveSameSea, what_was_announced_and_does_not_begin_is_forgotten) {
     std::atomic<int> told = 0;
-    const auto client =
-        Client::connect({.url = url}, {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
+    const auto client = Client::connect({.url = url, .timeout_s = 60},
+                                        {.on_sea_state = [&](const SeaStatePtr&) { ++told; }});
     ASSERT_TRUE(client) << client.error().message;
     const sea::TimeUs start_us = sea.sea_time_us() + 3'000'000;
     announce(sea.epoch + 1, start_us);
@@ -119,7 +119,7 @@ TEST_F(LiveSameSea, what_was_announced_and_does_not_begin_is_forgotten) {
 
 // Naive: the pace that held when it was sure last is not told of any more, and so taken for lost.
 TEST_F(LiveSameSea, a_server_in_doubt_tells_of_the_pace_that_holds_now) {
-    const auto client = Client::connect({.url = url});
+    const auto client = Client::connect({.url = url, .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     const sea::TimeUs now_us = sea.sea_time_us();
     const auto at_pace = [&](sea::TimeUs ago_us, int permille) {
@@ -141,7 +141,7 @@ TEST_F(LiveSameSea, a_server_in_doubt_tells_of_the_pace_that_holds_now) {
 TEST_F(LiveSameSea, a_pace_that_was_missed_does_not_keep_a_client_in_another_time) {
     for (const int missed_permille : {0, int{sea::pace_unit}}) {
         sea.told_pace = {};
-        const auto client = Client::connect({.url = url});
+        const auto client = Client::connect({.url = url, .timeout_s = 60});
         ASSERT_TRUE(client) << client.error().message;
         const int connections = (*client)->status().connections;
         const sea::TimeUs from_us = sea.sea_time_us();
@@ -167,7 +167,7 @@ TEST_F(LiveSameSea, a_pace_that_was_missed_does_not_keep_a_client_in_another_tim
 
 // A quarter of a second is waited for: time goes on, and what is held counts.
 TEST_F(LiveSameSea, a_pace_that_was_heard_of_a_little_late_does_not_put_time_back) {
-    const auto client = Client::connect({.url = url});
+    const auto client = Client::connect({.url = url, .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     sea::TimeUs shown_us = (*client)->now_us();
     const sea::TimeUs from_us = sea.sea_time_us() - 500'000;
@@ -183,7 +183,7 @@ TEST_F(LiveSameSea, a_pace_that_was_heard_of_a_little_late_does_not_put_time_bac
 
 // Naive: its sea stands for ever, while that of everybody else goes on.
 TEST_F(LiveSameSea, a_server_that_does_not_know_of_a_pause_has_another_sea) {
-    const auto client = Client::connect({.url = url});
+    const auto client = Client::connect({.url = url, .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     const sea::TimeUs now_us = sea.sea_time_us();
     net->announce(

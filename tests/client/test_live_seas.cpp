@@ -25,7 +25,7 @@ class LiveSeas : public tests::WaveServer {
     std::atomic<int> told = 0; ///< of seas
 
     std::unique_ptr<Client> connect() {
-        auto client = Client::connect({.url = net->url()},
+        auto client = Client::connect({.url = net->url(), .timeout_s = 60},
                                       {.on_sea_state = [this](const SeaStatePtr&) { ++told; }});
         EXPECT_TRUE(client) << (client ? "" : client.error().message);
         return client ? std::move(*client) : nullptr;
@@ -166,7 +166,7 @@ TEST_F(LiveSeas, what_is_offered_again_is_asked_for_again) {
     EXPECT_EQ(held_at(1'010'000), sea::surface_fields);
     sea.offered = with_slope;
     EXPECT_EQ(held_at(2'010'000), sea::surface_fields) << "known not to be offered";
-    const auto grant = client->subscribe({.fields = with_slope}, 2, 10);
+    const auto grant = client->subscribe({.fields = with_slope}, 2, 60);
     ASSERT_TRUE(grant) << grant.error().message;
     EXPECT_EQ(grant->fields, with_slope);
     EXPECT_EQ(held_at(3'010'000), with_slope);
@@ -176,18 +176,17 @@ TEST_F(LiveSeas, each_keyframe_is_told_of_once_and_is_held_by_then) {
     std::atomic<const Client*> who = nullptr;
     std::atomic<int> keyframes = 0;
     std::atomic<int> not_held = 0;
-    const auto client =
-        Client::connect({.url = net->url()}, {.on_keyframe = [&](const HeldKeyframePtr& held) {
-                            const sea::Keyframe& k = held->keyframe();
-                            const auto pair =
-                                who.load()->ring().around(k.cascade, k.epoch, k.time_us, 1, {});
-                            not_held += !pair || pair->before != held;
-                            ++keyframes;
-                        }});
+    const auto client = Client::connect(
+        {.url = net->url(), .timeout_s = 60}, {.on_keyframe = [&](const HeldKeyframePtr& held) {
+            const sea::Keyframe& k = held->keyframe();
+            const auto pair = who.load()->ring().around(k.cascade, k.epoch, k.time_us, 1, {});
+            not_held += !pair || pair->before != held;
+            ++keyframes;
+        }});
     ASSERT_TRUE(client) << client.error().message;
     who = client->get();
     const sea::TimeUs times_us[] = {1'010'000, 7'770'000};
-    ASSERT_TRUE((*client)->hold(times_us, 10));
+    ASSERT_TRUE((*client)->hold(times_us, 60));
     EXPECT_EQ(keyframes, 8) << "two around each time, of two cascades";
     EXPECT_EQ(not_held, 0);
 }
@@ -204,7 +203,7 @@ class RefusingSea : public tests::WaveSea {
 TEST(Asking, ends_with_the_first_batch_that_is_refused) {
     RefusingSea sea;
     const auto net = tests::serve(sea);
-    const auto client = Client::connect({.url = net->url()});
+    const auto client = Client::connect({.url = net->url(), .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     const std::size_t batch = (*client)->welcome().points_per_query_max;
     const std::vector<sea::QueryPoint> points(batch * 12);

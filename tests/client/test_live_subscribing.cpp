@@ -54,7 +54,8 @@ TEST(Unsubscribing, while_a_client_that_came_back_subscribes_again_is_no_failure
     tests::SlowWaves sea;
     const auto net = tests::serve(sea);
     FaultProxy line(net->port());
-    const auto client = Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port())});
+    const auto client =
+        Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port()), .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     ASSERT_TRUE((*client)->subscribe_spectrum({}, 30));
     sea.held_back = true;
@@ -72,7 +73,7 @@ TEST(Unsubscribing, while_a_client_that_came_back_subscribes_again_is_no_failure
 TEST(Unsubscribing, ends_what_has_not_been_asked_for_yet) {
     SlowTiles sea;
     const auto net = tests::serve(sea);
-    const auto client = Client::connect({.url = net->url()});
+    const auto client = Client::connect({.url = net->url(), .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     sea.held_back = true;
     auto held = std::async(std::launch::async, [&] {
@@ -101,7 +102,8 @@ TEST(Subscribing, what_began_too_late_is_asked_for_again_as_any_other) {
     SlowTiles sea;
     const auto net = tests::serve(sea);
     FaultProxy line(net->port());
-    const auto client = Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port())});
+    const auto client =
+        Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port()), .timeout_s = 60});
     ASSERT_TRUE(client) << client.error().message;
     sea.held_back = true;
     const auto late =

@@ -81,7 +81,8 @@ class PatienceOf : public ::testing::TestWithParam<bool> {
     std::unique_ptr<server::NetServer> net = tests::serve(sea);
 
     std::unique_ptr<Client> connect() {
-        auto client = Client::connect({.url = net->url(), .threadless = GetParam()});
+        auto client =
+            Client::connect({.url = net->url(), .timeout_s = 60, .threadless = GetParam()});
         EXPECT_TRUE(client) << (client ? "" : client.error().message);
         return client ? std::move(*client) : nullptr;
     }

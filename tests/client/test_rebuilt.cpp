@@ -93,7 +93,7 @@ TEST(Rebuilt, a_scene_from_a_server_names_no_files) {
 class LiveWaves : public tests::WaveServer {
   protected:
     std::unique_ptr<Client> connect() {
-        auto client = Client::connect({.url = net->url()});
+        auto client = Client::connect({.url = net->url(), .timeout_s = 60});
         EXPECT_TRUE(client) << (client ? "" : client.error().message);
         return client ? std::move(*client) : nullptr;
     }

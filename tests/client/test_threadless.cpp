@@ -25,6 +25,7 @@ class Threadless : public tests::Engine {
   protected:
     static seaway_connect_options options() {
         seaway_connect_options made{};
+        made.timeout_s = 60;
         made.threadless = 1;
         return made;
     }
@@ -41,10 +42,10 @@ class Threadless : public tests::Engine {
             << seaway_last_error();
         return event;
     }
-    /// As a loop of frames would, within 20 s.
+    /// As a loop of frames would, within a minute.
     template <class Condition>
     static bool in_frames(const Sea& client, const Condition& condition) {
-        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+        const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(1);
         while (!condition()) {
             if (std::chrono::steady_clock::now() > until)
                 return false;

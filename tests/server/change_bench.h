@@ -41,7 +41,8 @@ inline std::vector<std::string> natively(const std::string& name, const std::str
 }
 
 inline std::unique_ptr<client::Client> connect(const std::string& url) {
-    Result<std::unique_ptr<client::Client>> client = client::Client::connect({.url = url});
+    Result<std::unique_ptr<client::Client>> client =
+        client::Client::connect({.url = url, .timeout_s = 60});
     EXPECT_TRUE(client) << (client ? "" : client.error().message);
     return client ? std::move(*client) : nullptr;
 }

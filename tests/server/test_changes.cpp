@@ -71,7 +71,7 @@ TEST(Changes, a_client_that_samples_sees_a_storm_come_without_a_jump_and_right_t
     const std::string url = server.wait_until_ready();
     const auto client = connect(url);
     ASSERT_TRUE(client) << server.log();
-    ASSERT_TRUE(client->subscribe({.fields = sea::surface_fields}, 8, 10));
+    ASSERT_TRUE(client->subscribe({.fields = sea::surface_fields}, 8, 60));
     const Said said = ctl(url, {"set", "systems.0.wind_speed_10m_mps=17", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;
     const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");
@@ -398,7 +398,7 @@ TEST(Changes, before_time_0_a_sea_changes_as_at_any_other_time) {
     const auto there = connect(url);
     ASSERT_TRUE(there) << server.log();
     EXPECT_LT(there->now_us(), 0);
-    ASSERT_TRUE(there->subscribe({.fields = sea::surface_fields}, 8, 10));
+    ASSERT_TRUE(there->subscribe({.fields = sea::surface_fields}, 8, 60));
     const Said said = ctl(url, {"set", "systems.0.wind_speed_10m_mps=12", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;
     const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");

@@ -24,7 +24,7 @@ class Asker {
         EXPECT_FALSE(client_.send(protocol::subscribe(
             1, {.fields = {sea::Field::height}, .compact = compact, .size_max = size_max}, 8)));
     }
-    /// Of the next grant; 0: any. Nothing within five seconds: -1.
+    /// Of the next grant; 0: any. Nothing within a minute: -1.
     int granted_size() {
         const wire::Message* message = client_.receive(Body::Subscribed);
         if (message == nullptr)

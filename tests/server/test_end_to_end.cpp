@@ -29,7 +29,7 @@ using sea::Answer;
 using sea::QueryPoint;
 
 Result<std::unique_ptr<Client>> connect(const std::string& url) {
-    return Client::connect({.url = url});
+    return Client::connect({.url = url, .timeout_s = 60});
 }
 
 /// Ten points at each of a hundred times, all random: |x| up to 1e6 m, from a year before the
@@ -345,7 +345,7 @@ TEST(Presets, query_only_answers_and_offers_no_stream) {
     const auto answers = (*client)->ask({&here, 1}, {.timeout_s = 60});
     ASSERT_TRUE(answers) << answers.error().message;
     EXPECT_GT((*answers)[0].error_m, 0.0f);
-    const auto grant = (*client)->subscribe({.fields = sea::surface_fields}, 2, 10);
+    const auto grant = (*client)->subscribe({.fields = sea::surface_fields}, 2, 60);
     ASSERT_FALSE(grant);
     EXPECT_NE(grant.error().message.find("streams no height"), std::string::npos)
         << grant.error().message;
@@ -425,7 +425,7 @@ TEST(Stop, both_signals_end_it_within_two_seconds_with_clients_connected) {
             ASSERT_FALSE(url.empty()) << server.log();
             Result<std::unique_ptr<Client>> client = connect(url);
             ASSERT_TRUE(client) << client.error().message;
-            ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 10));
+            ASSERT_TRUE((*client)->subscribe({.fields = sea::surface_fields}, 2, 60));
             server.send(signal);
             code = server.wait_for_exit(std::chrono::seconds(2));
         }

@@ -63,7 +63,7 @@ TEST(Fleet, a_change_at_one_server_is_the_sea_of_all_and_of_who_comes_later) {
     EXPECT_TRUE(tests::eventually([&] { return get(at_a, "/readyz").status == 200; }));
     const auto watcher = connect(at_b);
     ASSERT_TRUE(watcher);
-    ASSERT_TRUE(watcher->subscribe({.fields = sea::surface_fields}, 8, 10));
+    ASSERT_TRUE(watcher->subscribe({.fields = sea::surface_fields}, 8, 60));
     const Said said = ctl(at_a, {"set", "systems.0.wind_speed_10m_mps=15", "--over", "10s"});
     ASSERT_EQ(said.code, 0) << said.words;
     const double start_s = number(said.words, "start_s"), end_s = number(said.words, "end_s");

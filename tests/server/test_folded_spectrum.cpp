@@ -41,13 +41,13 @@ TEST(FoldedSpectrum, says_where_rounding_may_hide_a_sheet) {
     ASSERT_FALSE(url.empty()) << server.log();
     const auto client = connect(url);
     ASSERT_TRUE(client);
-    ASSERT_TRUE(client->subscribe_spectrum({}, 10));
+    ASSERT_TRUE(client->subscribe_spectrum({}, 60));
     std::vector<sea::QueryPoint> points{{-1476.9719514414428, -813.6118927477255, 51'925'172},
                                         {-82.33688786804487, -2587.934698777387, 54'096'204}};
     for (int i = 0; i < 400; ++i)
         points.push_back({37.1 * i - 7000, 3000 - 23.7 * i, 51'925'172});
     const Result<std::vector<sea::Answer>> own = client->sample(points);
-    const Result<std::vector<sea::Answer>> exact = client->ask(points, {true, 10, {}});
+    const Result<std::vector<sea::Answer>> exact = client->ask(points, {true, 60, {}});
     ASSERT_TRUE(own && exact);
     int open = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {

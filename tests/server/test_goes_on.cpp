@@ -169,12 +169,13 @@ class GoesOn : public ::testing::Test {
             line = std::make_unique<tests::FaultProxy>(tests::port_of(url));
     }
     void connect(bool tiles, bool waves, bool stays_lost = false) {
-        auto made = Client::connect(
-            {.url = fmt::format("ws://127.0.0.1:{}", line->port()), .stays_lost = stays_lost},
-            {.on_status = [this](const client::ClientStatus& status) {
-                const std::scoped_lock lock(mutex);
-                told.push_back(status);
-            }});
+        auto made = Client::connect({.url = fmt::format("ws://127.0.0.1:{}", line->port()),
+                                     .timeout_s = 60,
+                                     .stays_lost = stays_lost},
+                                    {.on_status = [this](const client::ClientStatus& status) {
+                                        const std::scoped_lock lock(mutex);
+                                        told.push_back(status);
+                                    }});
         ASSERT_TRUE(made) << made.error().message;
         client = std::move(*made);
         EXPECT_TRUE(!tiles || client->subscribe({.fields = sea::surface_fields}, 2, 30));
@@ -311,7 +312,7 @@ TEST_F(GoesOn, who_was_held_up_while_a_server_stopped_hears_its_last_word) {
         tests::ServerProcess stops(words);
         const std::string url = stops.wait_until_ready();
         ASSERT_FALSE(url.empty()) << stops.log();
-        auto made = Client::connect({.url = url, .threadless = true}, {});
+        auto made = Client::connect({.url = url, .timeout_s = 60, .threadless = true}, {});
         ASSERT_TRUE(made) << made.error().message;
         client = std::move(*made);
         ASSERT_TRUE(client->subscribe({.fields = sea::surface_fields}, 8, 30));

@@ -175,7 +175,8 @@ TEST(JsonLogs, every_line_of_a_server_is_an_object) {
         {"scenes/calm.toml", "--device", "native", "--listen", "127.0.0.1:0", "--log", "json"});
     const std::string url = server.wait_until_ready();
     ASSERT_FALSE(url.empty()) << server.log();
-    ASSERT_TRUE(client::Client::connect({.url = url, .name = "a \"quoted\" client"}));
+    ASSERT_TRUE(
+        client::Client::connect({.url = url, .name = "a \"quoted\" client", .timeout_s = 60}));
     server.send(SIGTERM);
     EXPECT_EQ(exit_code_of(server), 0);
     std::istringstream lines(server.log());

@@ -225,12 +225,12 @@ TEST(RowsWithoutPauses, leave_who_has_waves_with_waves_and_newcomers_too) {
     ASSERT_FALSE(url.empty()) << server.log();
     const auto client = connect(url);
     ASSERT_TRUE(client);
-    ASSERT_TRUE(client->subscribe_spectrum({}, 10));
+    ASSERT_TRUE(client->subscribe_spectrum({}, 60));
     for (int look = 0; look < 8; ++look) {
         const sea::QueryPoint now{3, 4, client->now_us()};
         const Result<std::vector<sea::Answer>> own = client->sample({&now, 1});
         ASSERT_TRUE(own) << look << ": " << own.error().message;
-        const Result<std::vector<sea::Answer>> exact = client->ask({&now, 1}, {true, 10, {}});
+        const Result<std::vector<sea::Answer>> exact = client->ask({&now, 1}, {true, 60, {}});
         ASSERT_TRUE(exact);
         EXPECT_LE(std::abs(own->at(0).height_m - exact->at(0).height_m), own->at(0).error_m);
         EXPECT_TRUE(client->status().holds_waves);

@@ -67,7 +67,7 @@ TEST(
     const std::string url = server.wait_until_ready();
     const auto client = connect(url);
     ASSERT_TRUE(client) << server.log();
-    ASSERT_TRUE(client->subscribe({.fields = sea::surface_fields}, 8, 10));
+    ASSERT_TRUE(client->subscribe({.fields = sea::surface_fields}, 8, 60));
     for (const char* rate : {"0", "0.5", "8", "1"}) {
         const Said said = std::string(rate) == "0" ? ctl(url, {"pause"}) : ctl(url, {"rate", rate});
         ASSERT_EQ(said.code, 0) << said.words;

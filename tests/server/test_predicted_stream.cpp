@@ -29,7 +29,7 @@ class Follower {
             const sea::Keyframe& map = held->keyframe();
             keyframes_[{map.cascade, map.time_us}] = held;
         };
-        auto opened = client::Connection::open({.url = url}, std::move(events));
+        auto opened = client::Connection::open({.url = url, .timeout_s = 60}, std::move(events));
         EXPECT_TRUE(opened);
         connection_ = std::move(*opened);
         connection_->subscribe(wish, 2, 10, [](const auto&) {});

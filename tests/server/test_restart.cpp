@@ -35,7 +35,7 @@ std::vector<std::string> arguments(const std::string& data_dir,
 std::unique_ptr<Client> connect(tests::ServerProcess& server) {
     const std::string url = server.wait_until_ready();
     EXPECT_FALSE(url.empty()) << server.log();
-    Result<std::unique_ptr<Client>> client = Client::connect({.url = url});
+    Result<std::unique_ptr<Client>> client = Client::connect({.url = url, .timeout_s = 60});
     EXPECT_TRUE(client) << (client ? "" : client.error().message);
     return client ? std::move(*client) : nullptr;
 }
@@ -67,7 +67,7 @@ TEST(Restart, killed_at_any_instant_it_serves_the_same_sea_at_the_time_that_it_w
         tests::ServerProcess server(arguments(folder));
         const auto client = connect(server);
         ASSERT_TRUE(client);
-        const auto answers = client->ask(points, {.exact = true});
+        const auto answers = client->ask(points, {.exact = true, .timeout_s = 60});
         ASSERT_TRUE(answers) << answers.error().message;
         double ahead = 0;
         sea::TimeUs took_us = 1'000'000; // the shortest of some looks at both clocks

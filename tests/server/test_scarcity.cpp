@@ -79,7 +79,8 @@ TEST_F(Scarcity, without_memory_requests_are_refused_and_the_process_goes_on) {
         std::vector<std::unique_ptr<tests::Client>> crowd;
         may_take(more_mib << 20);
         for (int i = 0; i < 12; ++i) {
-            auto client = std::make_unique<tests::Client>(port);
+            // Without memory it may be told nothing, for as long as that lasts.
+            auto client = std::make_unique<tests::Client>(port, "", std::chrono::seconds(5));
             if (client->connect() || !client->greet())
                 continue; // it may be this one for which there is no memory
             std::vector<sea::QueryPoint> points(4096);

@@ -29,7 +29,8 @@ namespace seaway {
 namespace {
 
 bool comes_in(const std::string& url, const std::string& token) {
-    return client::Client::connect({.url = url, .name = "knocks", .token = token}).has_value();
+    return client::Client::connect({.url = url, .name = "knocks", .token = token, .timeout_s = 60})
+        .has_value();
 }
 
 // Naive: threads of a library that has begun before the signals are blocked take them, and what waits for them hears nothing.

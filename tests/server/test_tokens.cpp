@@ -28,8 +28,8 @@ TEST(Start, tokens_on_the_command_line_open_the_door_they_are_for) {
     ASSERT_FALSE(url.empty()) << server.log();
     for (const auto& [token, in] :
          {std::pair("", false), {"open", false}, {"open sesame", true}, {"master", true}}) {
-        const auto connected =
-            client::Client::connect({.url = url, .name = "knocks", .token = token});
+        const auto connected = client::Client::connect(
+            {.url = url, .name = "knocks", .token = token, .timeout_s = 60});
         EXPECT_EQ(connected.has_value(), in) << token;
     }
     server.send(SIGTERM);

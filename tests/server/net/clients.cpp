@@ -20,7 +20,6 @@ namespace {
 using Clock = Tcp::Clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds patience = std::chrono::seconds(5);
 /// Of a RawPeer, for which only ctest's limit holds.
 constexpr milliseconds for_ever = std::chrono::hours(1);
 
@@ -77,7 +76,8 @@ HttpAnswer parse_header(const std::string& header) {
 // ---- Client ------------------------------------------------------------------------------------
 
 struct Client::Impl {
-    Impl(int to, std::string by) : port(to), from(std::move(by)) {}
+    Impl(int to, std::string by, milliseconds longest)
+        : port(to), from(std::move(by)), patience(longest) {}
 
     struct Frame {
         Opcode opcode{};
@@ -144,6 +144,7 @@ struct Client::Impl {
     Tcp tcp;
     int port;
     std::string from;
+    milliseconds patience;
     HttpAnswer response;
     std::string received; ///< and not yet taken apart
     Frame frame;
@@ -152,7 +153,8 @@ struct Client::Impl {
     protocol::MessageReader reader{protocol::Sender::server};
 };
 
-Client::Client(int port, std::string from) : impl_(std::make_unique<Impl>(port, std::move(from))) {}
+Client::Client(int port, std::string from, milliseconds patience)
+    : impl_(std::make_unique<Impl>(port, std::move(from), patience)) {}
 Client::~Client() = default;
 
 std::error_code Client::connect(const std::string& subprotocol, const std::string& fields) {
@@ -160,9 +162,9 @@ std::error_code Client::connect(const std::string& subprotocol, const std::strin
     if (const std::error_code error = c.tcp.connect(c.port, c.from))
         return error;
     if (const std::error_code error =
-            c.tcp.write(bytes_of(upgrade_request(subprotocol, fields)), patience))
+            c.tcp.write(bytes_of(upgrade_request(subprotocol, fields)), c.patience))
         return error;
-    const Clock::time_point end = Clock::now() + patience;
+    const Clock::time_point end = Clock::now() + c.patience;
     std::size_t header = std::string::npos;
     while ((header = c.received.find("\r\n\r\n")) == std::string::npos)
         if (const std::error_code error = c.tcp.read(c.received, end))
@@ -179,8 +181,14 @@ std::error_code Client::send(const protocol::Bytes& bytes) {
     return impl_->write(Opcode::binary, bytes);
 }
 
+const wire::Message* Client::receive() {
+    return receive(impl_->patience);
+}
+
 const wire::Message* Client::receive(milliseconds wait) {
     Impl& c = *impl_;
+    if (c.error == std::errc::timed_out)
+        c.error = {};
     if (c.error || !c.read_message(Clock::now() + wait))
         return nullptr;
     auto message = c.reader.read(c.frame.payload);

@@ -16,11 +16,13 @@
 
 namespace seaway::tests {
 
-/// A WebSocket client whose every operation ends after 5 s at the latest.
+/// A WebSocket client whose every operation ends when its patience does, at the latest.
 class Client {
   public:
-    /// `from`: an address of this machine, such as 127.0.0.2.
-    explicit Client(int port, std::string from = {});
+    /// `from`: an address of this machine, such as 127.0.0.2. `patience`: as long as a crowded machine may need; less where what is
+    /// waited for may never come.
+    explicit Client(int port, std::string from = {},
+                    std::chrono::milliseconds patience = std::chrono::minutes(1));
     ~Client();
 
     /// `fields`: more lines of the upgrade's header, each with its line end.
@@ -28,8 +30,9 @@ class Client {
                             const std::string& fields = {});
     std::error_code send(const protocol::Bytes& bytes);
 
-    /// The next message, valid until the next call; null with error() set.
-    const wire::Message* receive(std::chrono::milliseconds wait = std::chrono::seconds(5));
+    /// The next message, valid until the next call; null with error() set. After `timed_out` it may be called again.
+    const wire::Message* receive();
+    const wire::Message* receive(std::chrono::milliseconds wait);
     /// Skips what is not wanted, for at most 10 000 messages.
     const wire::Message* receive(wire::Body kind);
     bool greet(std::string_view token = "");

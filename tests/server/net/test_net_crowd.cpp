@@ -14,7 +14,6 @@ class NetCrowd : public NetTest {};
 
 TEST_F(NetCrowd, two_hundred_subscribers_of_mixed_qualities_start_at_once_and_each_gets_its_own) {
     constexpr std::size_t crowd = 200;
-    constexpr std::chrono::seconds patience{60}; // a busy machine is late with 200 of anything
     host.answer_fetches = false; // all of them wait at the host, and come to the encoder in one go
     host.size = 128;
     options.idle_timeout = std::chrono::minutes(5); // who waits does not read: it answers no ping
@@ -31,16 +30,16 @@ TEST_F(NetCrowd, two_hundred_subscribers_of_mixed_qualities_start_at_once_and_ea
         answer();
     for (const auto& client : clients) {
         ASSERT_TRUE(client->receive(Body::Subscribed));
-        const wire::Message* message = client->receive(patience);
+        const wire::Message* message = client->receive();
         while (message && message->body_as_Tile())
-            message = client->receive(patience);
+            message = client->receive();
         ASSERT_TRUE(message && message->body_as_FetchDone()) << "nobody is refused what it needs";
     }
     EXPECT_EQ(metric("seaway_net_subscriptions"), crowd);
     for (const server::Quality quality : {0, 1})
         net->publish(host.keyframe(0, 9, {sea::Field::height}, quality));
     for (std::size_t i = 0; i < crowd; ++i) {
-        const wire::Message* message = clients[i]->receive(patience);
+        const wire::Message* message = clients[i]->receive();
         ASSERT_TRUE(message && message->body_as_Tile()) << i;
         EXPECT_EQ(message->body_as_Tile()->time_us(), 9 * interval_us);
         EXPECT_EQ(message->body_as_Tile()->error(), codec_error * (i % 2 == 0 ? 1.0f : 8.0f));

@@ -17,7 +17,7 @@ namespace {
 using wire::Body;
 using wire::ErrorCode;
 
-/// Subscribes and reads in a thread, acknowledging everything; remembers the times it saw.
+/// Subscribes and reads in a thread, acknowledging everything, however long nothing comes; remembers the times it saw.
 class HealthySubscriber {
   public:
     explicit HealthySubscriber(int port) : client_(port) {
@@ -27,7 +27,11 @@ class HealthySubscriber {
         EXPECT_TRUE(client_.receive(Body::FetchDone));
         thread_ = std::thread([this] { run(); });
     }
-    ~HealthySubscriber() { join(); }
+    ~HealthySubscriber() {
+        enough_ = true;
+        join();
+    }
+    /// Once its server has stopped.
     void join() {
         if (thread_.joinable())
             thread_.join();
@@ -38,8 +42,11 @@ class HealthySubscriber {
 
   private:
     void run() {
-        while (const wire::Message* message = client_.receive()) {
-            const wire::Tile* tile = message->body_as_Tile();
+        while (!enough_) {
+            const wire::Message* message = client_.receive(std::chrono::milliseconds(100));
+            if (message == nullptr && client_.error() != std::errc::timed_out)
+                return;
+            const wire::Tile* tile = message != nullptr ? message->body_as_Tile() : nullptr;
             if (tile == nullptr)
                 continue;
             const std::int64_t n = tile->time_us() / interval_us;
@@ -54,6 +61,7 @@ class HealthySubscriber {
     Client client_;
     std::array<std::atomic<std::int64_t>, 2> seen_{};
     std::atomic<int> gaps_ = 0;
+    std::atomic<bool> enough_ = false;
     std::thread thread_;
 };
 

@@ -41,8 +41,8 @@ class TlsPeer {
         if (receive_buffer_bytes > 0)
             ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes,
                          sizeof receive_buffer_bytes);
-        const timeval five_seconds{5, 0};
-        ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &five_seconds, sizeof five_seconds);
+        const timeval a_minute{60, 0};
+        ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &a_minute, sizeof a_minute);
         sockaddr_in address{};
         address.sin_family = AF_INET;
         address.sin_port = htons(static_cast<std::uint16_t>(port));
