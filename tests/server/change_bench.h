@@ -18,11 +18,19 @@
 #include "tests/support/eventually.h"
 #include "tests/support/folder.h"
 #include "tests/support/program.h"
+#include "tests/support/read_file.h"
 #include "tests/support/server_process.h"
 
 namespace seaway::changes {
 
 inline constexpr const char* token = "change-the-sea";
+
+/// Of tests in which any sea will do: one that is cheap to make, to send and to sum. Its name as servers take it, which run at the
+/// top of the sources.
+inline constexpr const char* small_sea = "tests/data/scenes/small_calm.toml";
+inline std::string small_sea_text() {
+    return tests::read_file(std::string(SEAWAY_SOURCE_DIR "/") + small_sea);
+}
 
 /// Written once: a server that starts may be reading it.
 inline std::string token_file() {
@@ -31,8 +39,8 @@ inline std::string token_file() {
 }
 
 inline std::vector<std::string> arguments(const std::string& data_dir) {
-    return {"scenes/calm.toml", "--listen", "127.0.0.1:0",        "--device",  "native",
-            "--data-dir",       data_dir,   "--admin-token-file", token_file()};
+    return {small_sea,    "--listen", "127.0.0.1:0",        "--device",  "native",
+            "--data-dir", data_dir,   "--admin-token-file", token_file()};
 }
 
 /// Of a server that serves this text natively.

@@ -8,14 +8,13 @@
 #include "sea/scene/scene.h"
 #include "sea/waves/statistics/moments.h"
 #include "tests/server/change_bench.h"
-#include "tests/support/read_file.h"
 
 namespace seaway::changes {
 namespace {
 
-/// The calm sea with a certificate beside it, as `seaway-bench tune` writes both.
+/// A sea with a certificate beside it, as `seaway-bench tune` writes both.
 std::string certified_scene() {
-    const std::string text = tests::read_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
+    const std::string text = small_sea_text();
     const std::string named = std::regex_replace(text, std::regex("\\[accuracy\\]"),
                                                  "[accuracy]\ncertificate = \"calm.json\"");
     EXPECT_NE(named, text);

@@ -11,7 +11,6 @@
 #include "base/elapsed.h"
 #include "server/simulation/sea_course.h"
 #include "tests/server/change_bench.h"
-#include "tests/support/read_file.h"
 
 namespace seaway::changes {
 namespace {
@@ -85,9 +84,8 @@ TEST(Changes, who_joins_behind_as_many_takeovers_as_there_may_be_has_the_waves) 
 // Naive: to the scene as its timetable has it by now, of which rows have begun by the time that was asked for.
 TEST(Changes, the_way_back_at_a_time_is_to_where_the_timetable_is_by_then) {
     const std::string scene =
-        tests::read_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml") +
-        "[[weather]]\nat_s = 200\nover_s = 20\nset.systems.0.from_deg = 300\n"
-        "[[weather]]\nat_s = 900\nover_s = 20\nset.systems.0.from_deg = 310\n";
+        small_sea_text() + "[[weather]]\nat_s = 200\nover_s = 20\nset.systems.0.from_deg = 300\n"
+                           "[[weather]]\nat_s = 900\nover_s = 20\nset.systems.0.from_deg = 310\n";
     std::vector<std::string> all = natively("led_to.toml", scene);
     all.insert(all.end(),
                {"--data-dir", tests::folder().file("led_to"), "--admin-token-file", token_file()});

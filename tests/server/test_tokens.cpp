@@ -20,7 +20,7 @@ namespace {
 // Each word of the command line reaches the server that listens.
 TEST(Start, tokens_on_the_command_line_open_the_door_they_are_for) {
     const tests::Folder& folder = tests::folder();
-    tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
+    tests::ServerProcess server({changes::small_sea, "--device", "native", "--listen",
                                  "127.0.0.1:0", "--client-token-file",
                                  folder.write("client.token", "open sesame\n"),
                                  "--admin-token-file", folder.write("admin.token", "master\n")});
@@ -42,7 +42,7 @@ TEST(Start, tokens_on_the_command_line_open_the_door_they_are_for) {
 // What comes back from a port that speaks TLS is an end without a word.
 TEST(Start, who_asks_a_server_with_tls_without_it_is_told_of_wss) {
     const tests::Certificate own;
-    tests::ServerProcess server({"scenes/calm.toml", "--device", "native", "--listen",
+    tests::ServerProcess server({changes::small_sea, "--device", "native", "--listen",
                                  "127.0.0.1:0", "--tls-cert", own.cert_file, "--tls-key",
                                  own.key_file});
     const std::string url = server.wait_until_ready();
