@@ -16,8 +16,10 @@
 
 #include "client/client.h"
 #include "server/journal/sea_clock.h"
+#include "tests/server/change_bench.h"
 #include "tests/support/eventually.h"
 #include "tests/support/folder.h"
+#include "tests/support/free_port.h"
 #include "tests/support/read_file.h"
 #include "tests/support/server_process.h"
 #include "tests/support/times_in.h"
@@ -25,11 +27,14 @@
 namespace seaway {
 namespace {
 
+using changes::small_sea;
 using client::Client;
 
+/// At a port of its own (tests::free_port()) where another one comes in its place; 0: any.
 std::vector<std::string> arguments(const std::string& data_dir,
-                                   const std::string& scene = "scenes/calm.toml") {
-    return {scene, "--listen", "127.0.0.1:0", "--device", "native", "--data-dir", data_dir};
+                                   const std::string& scene = small_sea, int port = 0) {
+    return {scene,        "--listen", fmt::format("127.0.0.1:{}", port), "--device", "native",
+            "--data-dir", data_dir};
 }
 
 std::unique_ptr<Client> connect(tests::ServerProcess& server) {
@@ -118,7 +123,8 @@ TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
     const std::string folder = tests::folder().file("watched");
     const std::string rows = tests::folder().file("rows.csv"),
                       words = tests::folder().file("words");
-    auto server = std::make_unique<tests::ServerProcess>(arguments(folder));
+    const std::vector<std::string> at_one_port = arguments(folder, small_sea, tests::free_port());
+    auto server = std::make_unique<tests::ServerProcess>(at_one_port);
     const std::string url = server->wait_until_ready();
     ASSERT_FALSE(url.empty()) << server->log();
     const pid_t watcher = watch(url, rows, words, "10");
@@ -138,9 +144,7 @@ TEST(Restart, a_watcher_goes_on_with_the_server_that_comes_back) {
     EXPECT_TRUE(more_rows_come()) << tests::read_file(words);
     server->send(SIGKILL);
     EXPECT_TRUE(server->wait_for_exit(std::chrono::seconds(10)));
-    std::vector<std::string> again = arguments(folder);
-    again[2] = url.substr(url.rfind('/') + 1);
-    server = std::make_unique<tests::ServerProcess>(again);
+    server = std::make_unique<tests::ServerProcess>(at_one_port);
     ASSERT_FALSE(server->wait_until_ready().empty()) << server->log();
     EXPECT_TRUE(more_rows_come()) << tests::read_file(words);
     kill(watcher, SIGTERM);
@@ -186,7 +190,8 @@ struct Watchers {
 TEST(Restart, watchers_stay_away_for_as_long_as_they_are_told_and_come_back_one_by_one) {
     constexpr int count = 20;
     constexpr double wait_s = 6;
-    std::vector<std::string> words = arguments(tests::folder().file("told"));
+    std::vector<std::string> words =
+        arguments(tests::folder().file("told"), small_sea, tests::free_port());
     words.insert(words.end(), {"--retry-after", fmt::format("{}", wait_s)});
     auto server = std::make_unique<tests::ServerProcess>(words);
     const std::string url = server->wait_until_ready();
@@ -206,7 +211,6 @@ TEST(Restart, watchers_stay_away_for_as_long_as_they_are_told_and_come_back_one_
     ASSERT_EQ(server->wait_for_exit(std::chrono::seconds(20)), 0) << server->log();
     const std::vector<double> stopped_ms = times_of(server->log(), "stopping");
     ASSERT_EQ(stopped_ms.size(), 1u) << server->log();
-    words[2] = url.substr(url.rfind('/') + 1);
     server = std::make_unique<tests::ServerProcess>(words);
     ASSERT_FALSE(server->wait_until_ready().empty()) << server->log();
     ASSERT_TRUE(all_open()) << server->log();
@@ -230,8 +234,7 @@ TEST(Restart, watchers_stay_away_for_as_long_as_they_are_told_and_come_back_one_
 
 TEST(Restart, without_a_data_folder_a_sea_begins_with_its_process) {
     const auto before = server::SeaClock::utc_now_us();
-    tests::ServerProcess server(
-        {"scenes/calm.toml", "--listen", "127.0.0.1:0", "--device", "native"});
+    tests::ServerProcess server({small_sea, "--listen", "127.0.0.1:0", "--device", "native"});
     const auto client = connect(server);
     ASSERT_TRUE(client);
     const sea::TimeUs now_us = client->now_us();
@@ -262,7 +265,7 @@ TEST(Restart, a_journal_of_another_sea_is_named_with_what_differs_and_kept) {
     };
     refused("scenes/north_sea_gale.toml", "the scene says");
     // One number of it is another.
-    const std::string calm = tests::read_file(SEAWAY_SOURCE_DIR "/scenes/calm.toml");
+    const std::string calm = changes::small_sea_text();
     const std::string text = std::regex_replace(calm, std::regex("seed = \\d+"), "seed = 424242");
     ASSERT_NE(text.find("424242"), std::string::npos);
     refused(tests::folder().write("changed.toml", text), "424242");

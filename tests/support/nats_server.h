@@ -5,7 +5,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,28 +18,9 @@
 #include <unistd.h>
 
 #include "tests/support/folder.h"
+#include "tests/support/free_port.h"
 
 namespace seaway::tests {
-
-/// One that nobody listens on now, and that stays so until a server is started on it, or started again: it is below those that the
-/// system gives to who connects (from 32768), or it would be the other end of a connection by then, and the server would not start.
-inline int free_port() {
-    static std::mt19937 lots{std::random_device{}()};
-    std::uniform_int_distribution<int> ports(12'000, 32'000);
-    while (true) {
-        const int port = ports(lots);
-        const int socket_of = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        address.sin_port = htons(static_cast<std::uint16_t>(port));
-        const bool is_free =
-            bind(socket_of, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-        close(socket_of);
-        if (is_free)
-            return port;
-    }
-}
 
 class NatsServer {
   public:

@@ -15,6 +15,7 @@
 #include "client/window/viewer.h"
 #include "tests/client/window/display.h"
 #include "tests/support/folder.h"
+#include "tests/support/free_port.h"
 #include "tests/support/server_process.h"
 
 namespace seaway::client {
@@ -52,7 +53,8 @@ class WindowTest : public testing::Test {
 
     void SetUp() override {
         ASSERT_TRUE(display_->is_there()) << "Xvfb did not start";
-        start_server("127.0.0.1:0");
+        // Which nobody is given while it is down.
+        start_server(fmt::format("127.0.0.1:{}", tests::free_port()));
         ASSERT_FALSE(url_.empty()) << server_->log();
     }
     void TearDown() override {
