@@ -2,6 +2,7 @@
 // A client that has asked about a sea before everybody is told of it.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -69,19 +70,34 @@ void expect_now(Client& client, const char* whose) {
 // Naive: who has been sent the state of a sea, for a question about it, is not told of it when it comes: neither does what was
 // granted follow it, so that keyframes are sent which lack half of it, nor do its waves come.
 TEST(Changes, who_looked_ahead_at_a_sea_is_served_it_like_others) {
-    constexpr double at_s = 30;
-    tests::ServerProcess server(natively("soon.toml", shallow_from(at_s)));
-    const std::string url = server.wait_until_ready();
-    const auto tiles = connect(url), waves = connect(url);
-    ASSERT_TRUE(tiles && waves) << server.log();
-    ASSERT_TRUE(tiles->subscribe({.fields = sea::surface_fields}, 2, 30));
-    ASSERT_TRUE(waves->subscribe_spectrum({}, 30));
-    const sea::TimeUs ahead_us = sea::us_from_seconds(at_s + 5);
-    for (const auto& client : {tiles.get(), waves.get()}) {
-        ASSERT_TRUE(client->hold({&ahead_us, 1}, 60));
-        EXPECT_TRUE(client->sea_state(ahead_us)->glide) << "it was told of that sea";
+    double at_s = 30;
+    std::unique_ptr<tests::ServerProcess> server;
+    std::unique_ptr<Client> tiles, waves;
+    const auto look_ahead = [&] {
+        tiles = nullptr;
+        waves = nullptr;
+        server = std::make_unique<tests::ServerProcess>(natively("soon.toml", shallow_from(at_s)));
+        const std::string url = server->wait_until_ready();
+        tiles = connect(url);
+        waves = connect(url);
+        ASSERT_TRUE(tiles && waves) << server->log();
+        ASSERT_TRUE(tiles->subscribe({.fields = sea::surface_fields}, 2, 60));
+        ASSERT_TRUE(waves->subscribe_spectrum({}, 60));
+        const sea::TimeUs ahead_us = sea::us_from_seconds(at_s + 5);
+        for (const auto& client : {tiles.get(), waves.get()}) {
+            ASSERT_TRUE(client->hold({&ahead_us, 1}, 60));
+            EXPECT_TRUE(client->sea_state(ahead_us)->glide) << "it was told of that sea";
+        }
+    };
+    look_ahead();
+    // Else all have been told: a slow machine has more time once more.
+    while (!HasFatalFailure() && sea::seconds_from_us(tiles->now_us()) >= at_s - 10) {
+        at_s *= 2;
+        ASSERT_LT(at_s, 300);
+        look_ahead();
     }
-    ASSERT_LT(sea::seconds_from_us(tiles->now_us()), at_s - 10) << "else all have been told";
+    ASSERT_FALSE(HasFatalFailure());
+    const sea::TimeUs ahead_us = sea::us_from_seconds(at_s + 5);
     // All are told ten seconds before it begins, and its waves come behind that.
     const auto has_waves = [&] {
         return waves->source(ahead_us).source == client::AnswersFrom::spectrum;

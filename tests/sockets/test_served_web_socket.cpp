@@ -248,12 +248,14 @@ TEST_F(ServedWebSocketTest, a_peer_that_says_nothing_is_pinged_and_given_up) {
 TEST_F(ServedWebSocketTest, who_was_not_heard_because_the_process_stood_still_is_pinged_first) {
     accept(std::chrono::milliseconds(400));
     read_all();
+    const std::string ping("\x89\x00", 2);
     run_until([&] { return !answer.empty(); });
-    EXPECT_EQ(answer, std::string("\x89\x00", 2)) << "asked already";
+    EXPECT_EQ(answer.substr(0, 2), ping) << "asked already";
+    const std::size_t asked = answer.size(); // more often where this machine stood still
     std::this_thread::sleep_for(std::chrono::milliseconds(700)); // nothing runs
-    run_until([&] { return answer.size() >= 4 || end; });
+    run_until([&] { return answer.size() >= asked + 2 || end; });
     EXPECT_FALSE(end);
-    EXPECT_EQ(answer, std::string("\x89\x00\x89\x00", 4)) << "asked anew";
+    EXPECT_EQ(answer.substr(asked, 2), ping) << "asked anew";
     say(client_frame(FrameBytes{'h'}));
     run_until([&] { return end || !heard.empty(); });
     EXPECT_FALSE(end);
@@ -271,7 +273,8 @@ TEST_F(ServedWebSocketTest, who_speaks_behind_a_standstill_is_pinged_before_it_i
     say(client_frame(FrameBytes{'b'}));
     run_until([&] { return !answer.empty() || end; });
     EXPECT_FALSE(end);
-    EXPECT_EQ(answer, std::string("\x89\x00", 2)) << "a ping";
+    EXPECT_EQ(answer.substr(0, 2), std::string("\x89\x00", 2))
+        << "a ping, and more where this machine stood still";
 }
 
 TEST_F(ServedWebSocketTest, who_is_not_listened_to_is_not_silent) {

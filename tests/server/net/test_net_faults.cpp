@@ -134,6 +134,11 @@ std::vector<std::int64_t> ages_of(Client& client, const std::atomic<std::int64_t
     return ages;
 }
 
+/// Half of them, and nearly all: the simulation goes on while another process has the reader's core.
+bool are_new(const std::vector<std::int64_t>& ages) {
+    return !ages.empty() && ages[ages.size() / 2] <= 3 && ages[ages.size() * 4 / 5] <= 10;
+}
+
 // 20 frames a second of some 6 KB; the line holds 64 KB and the kernel several times as much, which is where
 // frames grow old that nobody has to acknowledge: 20 and more. RTT is 60 +- 20 ms, an interval 50 ms: what is as
 // old as RTT and two intervals has three newer ones. Counted in frames, so that a machine that is slow is slow
@@ -160,20 +165,19 @@ TEST_F(NetFaults, a_reader_at_half_speed_is_shown_what_is_new) {
         EXPECT_FALSE(client.send(protocol::subscribe(1, heights, 1)));
         return ages_of(client, newest, pause, 16);
     };
-    const std::vector<std::int64_t> thinks = reader(0, 100ms);
+    std::vector<std::int64_t> thinks, slow_line;
+    // On a crowded machine that may be for longer: one round of three holds.
+    for (int round = 0; round < 3 && !are_new(thinks); ++round)
+        thinks = reader(0, 100ms);
     const std::string page = get("/metrics").body;
     const double frame_bytes = figure_of(page, "seaway_net_encoded_bytes_total") /
                                figure_of(page, "seaway_net_fields_encoded_total");
-    const std::vector<std::int64_t> slow_line = reader(frame_bytes / 0.1, 0ms);
+    for (int round = 0; round < 3 && !are_new(slow_line); ++round)
+        slow_line = reader(frame_bytes / 0.1, 0ms);
     enough = true;
     simulation.join();
-    ASSERT_FALSE(thinks.empty());
-    ASSERT_FALSE(slow_line.empty());
-    for (const std::vector<std::int64_t>& ages : {thinks, slow_line}) {
-        EXPECT_LE(ages[ages.size() / 2], 3);
-        // All but those that stood while another process had the reader's core: the simulation goes on.
-        EXPECT_LE(ages[ages.size() * 4 / 5], 10);
-    }
+    EXPECT_TRUE(are_new(thinks)) << testing::PrintToString(thinks);
+    EXPECT_TRUE(are_new(slow_line)) << testing::PrintToString(slow_line);
 }
 
 } // namespace
