@@ -18,8 +18,11 @@ TEST(ListAlignment, lists_that_are_not_aligned_are_not_a_message) {
     const sea::QueryPoint points[] = {{1.5, -2.5, 7}, {1e6, 2e6, -9}};
     const std::vector<sea::Answer> answers(3);
     const double depths[] = {-1, -2};
+    SeaStateValues glides = some_state();
+    glides.glide =
+        GlideValues{.end_us = 20'000'000, .leads_to = glides.probes, .k_lo_radpm = {0.005, 0.07}};
     const Bytes asked = query(9, points, false, {}, depths), fetched = fetch(8, times, {}),
-                stated = sea_state(some_state()), answered = query_reply(9, 1, answers);
+                stated = sea_state(glides), answered = query_reply(9, 1, answers);
     for (const std::size_t shift : {0u, 4u}) {
         MessageReader reader(Sender::client);
         const wire::Message* whole = read(reader, asked);

@@ -323,7 +323,7 @@ TEST(Transition, stylised_waves_of_both_seas_turn_as_one_where_the_depth_changes
         SeaState deep, shallow;
         deep.systems = shallow.systems = {ramps};
         shallow.depth_m = 10.0;
-        const auto from = realized(deep, {{640.0, 64}}), to = realized(shallow, {{640.0, 64}});
+        const auto from = realized(deep, {{640.0, 128}}), to = realized(shallow, {{640.0, 128}});
         const auto glide = SeaTransition::create(from, to, 7'000'000, 607'000'000);
         ASSERT_TRUE(glide);
         for (TimeUs t = 7'000'000; t < 607'000'000; t += 9'876'543)
