@@ -67,11 +67,13 @@ struct OnTheWayBack {
     std::unique_ptr<Client> client;
 
     explicit OnTheWayBack(bool threadless, bool waves = true) {
-        auto connected = Client::connect(
-            {.url = "ws://127.0.0.1:" + std::to_string(line.port()), .threadless = threadless},
-            {.on_status = [this](const ClientStatus& status) {
-                longest_wait_s = std::max(longest_wait_s.load(), status.next_attempt_s);
-            }});
+        auto connected = Client::connect({.url = "ws://127.0.0.1:" + std::to_string(line.port()),
+                                          .timeout_s = 60,
+                                          .threadless = threadless},
+                                         {.on_status = [this](const ClientStatus& status) {
+                                             longest_wait_s = std::max(longest_wait_s.load(),
+                                                                       status.next_attempt_s);
+                                         }});
         EXPECT_TRUE(connected) << connected.error().message;
         client = std::move(*connected);
         EXPECT_TRUE(client->subscribe({.fields = sea::surface_fields, .error_m = 0.25f}, 2, 30));

@@ -204,10 +204,9 @@ TEST(Fleet,
     EXPECT_GE(
         tests::times_in(b.log(), "event=sea_stale why=\"the journal has not been heard of for"), 1);
     // Once each time: where the machine stands still for two seconds they are stale once more, and rightly.
-    for (const std::string& log : {a.log(), b.log()})
+    for (const std::string& log : {a.log(), b.log()}) // and no machine stands still so often
         EXPECT_LE(tests::times_in(log, "event=sea_stale"),
-                  tests::times_in(log, "event=sea_current") + 1)
-            << log;
+                  std::min(6, 1 + tests::times_in(log, "event=sea_current")));
     EXPECT_EQ(tests::times_in(b.log(), "event=change_refused"), 1) << b.log();
     // They were started at once: either may be the first.
     const std::string both = a.log() + b.log();

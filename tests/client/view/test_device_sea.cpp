@@ -127,7 +127,7 @@ class DeviceSeaTest : public gpu::DeviceTest {
 };
 
 /// An oblique wave in a tile of 90 m and another in one of 31 m, of half the size.
-sea::Realization crossing_waves() {
+sea::Realization waves_that_cross() {
     sea::Realization sea = one_wave(0.7, 90, 3, -2);
     sea.cascades[0].band = {0.05, 0.4};
     sea::Realization second = one_wave(0.2, 31, -1, 4);
@@ -140,7 +140,7 @@ sea::Realization crossing_waves() {
 // Level 0 of the displacements holds coefficients: a grid point is (c[-1] + 4 c[0] + c[1]) / 6 along both axes.
 TEST_F(DeviceSeaTest,
        every_channel_of_every_cascade_is_what_a_query_of_that_cascade_is_answered_from) {
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     const SeaFrame frame = sea.at(1'234'567);
     const Maps maps = maps_of(frame);
     ASSERT_EQ(maps.values.cascades, 2);
@@ -184,7 +184,7 @@ TEST_F(DeviceSeaTest,
 // With one node a point the same, at fewer places.
 TEST_F(DeviceSeaTest, nodes_of_a_coarser_map_lie_on_grid_points) {
     make({.nodes_a_point = 1});
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     const SeaFrame frame = sea.at(700'000);
     const Maps maps = maps_of(frame);
     const sea::Surface surface({frame.cascades[1].keyframes}, frame.choppiness, {}, {});
@@ -199,7 +199,7 @@ TEST_F(DeviceSeaTest, nodes_of_a_coarser_map_lie_on_grid_points) {
 
 // Mean, and mean square: a level's variance is what its four had, and what they differ by.
 TEST_F(DeviceSeaTest, each_level_is_the_mean_of_four_of_the_one_above_and_of_its_own_cascade) {
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     const Maps maps = maps_of(sea.at(1'234'567));
     for (int c = 0; c < 2; ++c)
         for (int level = 1; level <= 5; ++level)
@@ -247,7 +247,7 @@ TEST_F(DeviceSeaTest, the_last_level_knows_the_mean_square_slope) {
 
 // The mesh averages away what it cannot carry: means of values, not of coefficients.
 TEST_F(DeviceSeaTest, levels_of_displacement_are_means_over_their_texel) {
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     const SeaFrame frame = sea.at(1'234'567);
     const Maps maps = maps_of(frame);
     for (int c = 0; c < 2; ++c) {
@@ -275,7 +275,7 @@ TEST_F(DeviceSeaTest, levels_of_displacement_are_means_over_their_texel) {
 
 TEST_F(DeviceSeaTest,
        lies_where_the_camera_is_and_the_longest_wave_says_how_many_levels_tell_something) {
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     const SeaFrame frame = sea.at(0);
     const Maps maps = maps_of(frame, {-1234.5, 777.25});
     for (int c = 0; c < 2; ++c) {
@@ -337,7 +337,7 @@ TEST_F(DeviceSeaTest, foam_is_linear_in_space_and_time_and_its_last_level_is_the
 // Nothing is copied twice, whatever the order of times; and what a frame under way reads stays: the maps of both
 // keyframes are right after every step.
 TEST_F(DeviceSeaTest, a_keyframe_is_copied_once_and_is_never_overwritten_by_its_neighbour) {
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     std::vector<SeaFrame> frames;
     for (int i = 0; i < 6; ++i)
         frames.push_back(sea.at(i * 700'000));
@@ -361,7 +361,7 @@ TEST_F(DeviceSeaTest, a_keyframe_is_copied_once_and_is_never_overwritten_by_its_
 
 // The first keyframe is the one that was used longest ago when the other of the pair needs room.
 TEST_F(DeviceSeaTest, a_keyframe_that_is_needed_makes_no_room_for_the_other_one) {
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     SeaFrame first = sea.at(0), last = sea.at(5'000'000);
     SeaFrame across = first;
     across.time_us = 2'000'000;
@@ -375,7 +375,7 @@ TEST_F(DeviceSeaTest, a_keyframe_that_is_needed_makes_no_room_for_the_other_one)
 }
 
 TEST_F(DeviceSeaTest, reads_the_same_where_the_cpu_cannot_see_the_devices_memory) {
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     const SeaFrame frame = sea.at(1'234'567), next = sea.at(2'000'000);
     const Maps here = maps_of(frame);
     const Maps later = maps_of(next);
@@ -388,7 +388,7 @@ TEST_F(DeviceSeaTest, reads_the_same_where_the_cpu_cannot_see_the_devices_memory
 // frame of the sea, whose device still reads those places while the next one fills them.
 TEST_F(DeviceSeaTest, copies_that_nobody_recorded_are_of_the_last_frame_alone) {
     on_a_device_with_memory_of_its_own();
-    SyntheticSea sea(crossing_waves());
+    SyntheticSea sea(waves_that_cross());
     const SeaFrame before = sea.at(98 * 700'000), last = sea.at(100 * 700'000);
     const Maps of_before = maps_of(before), of_last = maps_of(last);
     make({});
@@ -421,7 +421,7 @@ TEST_F(DeviceSeaTest, what_nobody_recorded_of_a_larger_sea_is_forgotten_with_it)
 
 // From one sea to another of more cascades and other sizes.
 TEST_F(DeviceSeaTest, makes_room_when_the_sea_is_another) {
-    SyntheticSea small(one_wave(0.5, 40, 2)), large(crossing_waves());
+    SyntheticSea small(one_wave(0.5, 40, 2)), large(waves_that_cross());
     const Maps alone = maps_of(large.at(500'000));
     EXPECT_NE(maps_of(small.at(500'000)).displacements.size(), alone.displacements.size());
     EXPECT_EQ(maps_of(large.at(500'000)).displacements, alone.displacements);

@@ -19,11 +19,17 @@ sources="tests/sea/hash/print_hash.cpp base/check.cpp base/csv_table.cpp base/in
 for source in $sources; do printf '#include "%s"\n' "$source"; done >"$work_dir/all.new"
 cmp -s "$work_dir/all.new" "$work_dir/all.cpp" || mv "$work_dir/all.new" "$work_dir/all.cpp"
 
-# Whether a program was made this way and nothing that it was made of is newer, or gone.
+read_by() { sed -e 's/^[^:]*://' -e 's/\\$//' "$1.d"; }
+# Of all that a program was made of; a package may bring headers that are older than the program.
+# shellcheck disable=SC2046
+contents_of() { cat $(read_by "$1") 2>&1 | cksum; }
+
+# Whether a program was made this way, of what is there now, and nothing is newer, or gone.
 is_current() { # PROGRAM HOW
     # shellcheck disable=SC2046
-    [ -x "$1" ] && [ -s "$1.d" ] && [ "$(cat "$1.how" 2>&1)" = "$2" ] &&
-        [ -z "$(find -L $(sed -e 's/^[^:]*://' -e 's/\\$//' "$1.d") -newer "$1" 2>&1)" ]
+    [ -x "$1" ] && [ -s "$1.d" ] && [ "$(cat "$1.how" 2>&1)" = "$2
+$(contents_of "$1")" ] &&
+        [ -z "$(find -L $(read_by "$1") -newer "$1" 2>&1)" ]
 }
 
 printf 'as built %s' "$hashes"
@@ -38,7 +44,7 @@ $("$compiler" --version)"
         touch "$program.begun"
         "$@" -MD -MF "$program.d" -o "$program"
         touch -r "$program.begun" "$program" # what changes meanwhile is newer
-        printf '%s\n' "$made" >"$program.how"
+        printf '%s\n%s\n' "$made" "$(contents_of "$program")" >"$program.how"
     fi
     hash=$("$program")
     echo "$compiler $level $hash"

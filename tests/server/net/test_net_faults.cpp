@@ -163,7 +163,9 @@ TEST_F(NetFaults, a_reader_at_half_speed_is_shown_what_is_new) {
         EXPECT_FALSE(client.connect());
         EXPECT_TRUE(client.greet());
         EXPECT_FALSE(client.send(protocol::subscribe(1, heights, 1)));
-        return ages_of(client, newest, pause, 16);
+        std::vector<std::int64_t> ages = ages_of(client, newest, pause, 16);
+        EXPECT_FALSE(ages.empty()) << "nobody ends it";
+        return ages;
     };
     std::vector<std::int64_t> thinks, slow_line;
     // On a crowded machine that may be for longer: one round of three holds.
