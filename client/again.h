@@ -29,7 +29,9 @@ struct RungAgain {
     using Clock = std::chrono::steady_clock;
 
     RungState state = RungState::unanswered;
+    std::optional<Error> why_missed; ///< last
     typename Kept<Kind>::One asked;
+    int connection = 0;                                ///< its number
     std::optional<Waiter> answer;                      ///< while it is asked for
     Clock::time_point next = Clock::time_point::min(); ///< it is asked for then
     ReconnectPauses pauses{0};
@@ -55,6 +57,14 @@ struct Again {
     }
 
     bool is_done() const { return tiles.is_done() && waves.is_done(); }
+    /// Of what is missed now, tiles first.
+    const Error* why_missed() const {
+        if (tiles.state == RungState::missed)
+            return &*tiles.why_missed;
+        return waves.state == RungState::missed ? &*waves.why_missed : nullptr;
+    }
+    /// Has anything been, and been told?
+    bool has_missed() const { return tiles.why_missed || waves.why_missed; }
     std::chrono::steady_clock::time_point due() const { return std::min(tiles.due(), waves.due()); }
     /// What is missed keeps nobody from what is granted; but where nothing is, there is nothing to go on with.
     bool is_connected() const {

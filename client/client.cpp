@@ -211,12 +211,14 @@ auto Client::subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription) {
         Kind now = subscription;
         now.timeout_s = patience.left_s();
         ConnectionPtr connection;
+        int number = 0;
         {
             const std::scoped_lock asking(asking_);
             std::unique_lock lock(mutex_);
             if (had && kept.is_past(serial)) // who came later has his way
                 return *std::move(had);
             connection = connection_;
+            number = status_.connections;
             // Kept from here on: the connection may end, and come back, behind the grant.
             serial = kept.ask(subscription);
             lock.unlock();
@@ -226,7 +228,7 @@ auto Client::subscribe_and_keep(Kept<Kind>& kept, const Kind& subscription) {
         {
             const std::scoped_lock lock(asking_, mutex_);
             if (*had)
-                kept.granted(serial, subscription);
+                kept.granted(serial, subscription, number);
             else
                 kept.failed(serial, subscription, had->error());
         }

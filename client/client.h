@@ -228,13 +228,13 @@ class Client {
     std::chrono::steady_clock::time_point subscribes_next_held() const;
     void subscribe_again(std::unique_lock<std::mutex>& lock); ///< does it; lock is of mutex_
     /// mutex_ held. Is there something else to be told?
-    bool note_subscribed(const std::optional<Error>& missed);
-    template <class Kind> ///< why it is missed, where that has just been said
-    std::optional<Error> step_again(Kept<Kind>& kept, RungAgain<Kind>& rung);
-    template <class Kind> ///< false: nothing is kept
-    bool ask_as_before(const Kept<Kind>& kept, RungAgain<Kind>& rung);
+    bool note_subscribed();
     template <class Kind>
-    Result<RungState> take_again(Kept<Kind>& kept, const typename Kept<Kind>::One& asked,
+    void step_again(Kept<Kind>& kept, RungAgain<Kind>& rung);
+    template <class Kind> ///< how it stands, where there is nothing to be asked for
+    std::optional<RungState> ask_as_before(const Kept<Kind>& kept, RungAgain<Kind>& rung);
+    template <class Kind>
+    Result<RungState> take_again(Kept<Kind>& kept, const RungAgain<Kind>& rung,
                                  const Result<Reply>& reply);
     static void ask_for(Connection& connection, const Subscription& subscription,
                         ReplyHandler handler);

@@ -21,30 +21,30 @@ void Client::subscribe_again(std::unique_lock<std::mutex>& lock) {
     if (!again_)
         again_ = std::make_unique<Again>(pauses_);
     lock.unlock();
-    const std::optional<Error> no_tiles = step_again(subscription_, again_->tiles);
-    const std::optional<Error> no_waves = step_again(spectrum_subscription_, again_->waves);
+    step_again(subscription_, again_->tiles);
+    step_again(spectrum_subscription_, again_->waves);
     lock.lock();
     if (joining_->end) // and all that was asked for has failed with it
         return;
-    if (!note_subscribed(no_tiles ? no_tiles : no_waves))
+    if (!note_subscribed())
         return;
     lock.unlock();
     say_status();
     lock.lock();
 }
 
-bool Client::note_subscribed(const std::optional<Error>& missed) {
-    bool other = false;
-    if (missed && status_.reason != missed->message) {
+bool Client::note_subscribed() {
+    const Error* missed = again_->why_missed();
+    bool other = missed != nullptr && status_.reason != missed->message;
+    if (other)
         status_.reason = missed->message;
-        other = true;
-    }
     if (status_.state != LinkState::connected && again_->is_connected()) {
         status_.state = LinkState::connected;
         pauses_.connected();
         other = true;
     }
     if (again_->is_done()) {
+        other = other || again_->has_missed();
         resuming_ = false;
         again_.reset();
     }
@@ -52,35 +52,37 @@ bool Client::note_subscribed(const std::optional<Error>& missed) {
 }
 
 template <class Kind>
-std::optional<Error> Client::step_again(Kept<Kind>& kept, RungAgain<Kind>& rung) {
+void Client::step_again(Kept<Kind>& kept, RungAgain<Kind>& rung) {
     if (rung.due() > steady_clock::now())
-        return std::nullopt;
+        return;
     if (!rung.answer) {
-        if (!ask_as_before(kept, rung))
-            rung.state = RungState::unwanted;
-        return std::nullopt;
+        if (const std::optional<RungState> stands = ask_as_before(kept, rung))
+            rung.state = *stands;
+        return;
     }
     Waiter answer = *std::exchange(rung.answer, std::nullopt);
-    const Result<RungState> stands = take_again(kept, rung.asked, answer.wait());
-    if (stands) {
-        rung.state = *stands;
-        return std::nullopt;
-    }
-    rung.state = RungState::missed;
+    const Result<RungState> stands = take_again(kept, rung, answer.wait());
+    rung.state = stands ? *stands : RungState::missed;
+    if (stands)
+        return;
+    rung.why_missed = stands.error();
     rung.next = steady_clock::now() +
                 std::chrono::ceil<steady_clock::duration>(rung.pauses.next(stands.error()));
-    return stands.error();
 }
 
 template <class Kind>
-bool Client::ask_as_before(const Kept<Kind>& kept, RungAgain<Kind>& rung) {
+std::optional<RungState> Client::ask_as_before(const Kept<Kind>& kept, RungAgain<Kind>& rung) {
     Waiter answer;
     const std::scoped_lock asking(asking_);
     std::unique_lock lock(mutex_);
     rung.asked = kept.wanted_one();
+    rung.connection = status_.connections;
+    const bool is_granted = kept.is_granted_on(rung.connection); // to who asked meanwhile
     lock.unlock();
     if (!rung.asked.wish)
-        return false;
+        return RungState::unwanted;
+    if (is_granted)
+        return RungState::granted;
     // Who keeps the client waits for answers to several questions at once.
     const auto told = [this, handler = answer.handler()](Result<Reply> reply) {
         handler(std::move(reply));
@@ -89,16 +91,17 @@ bool Client::ask_as_before(const Kept<Kind>& kept, RungAgain<Kind>& rung) {
     };
     ask_for(*link(), *rung.asked.wish, told);
     rung.answer = std::move(answer);
-    return true;
+    return std::nullopt;
 }
 
 template <class Kind>
-Result<RungState> Client::take_again(Kept<Kind>& kept, const typename Kept<Kind>::One& asked,
+Result<RungState> Client::take_again(Kept<Kind>& kept, const RungAgain<Kind>& rung,
                                      const Result<Reply>& reply) {
+    const auto& asked = rung.asked;
     const auto had = granted(*asked.wish, reply);
     const std::scoped_lock lock(asking_, mutex_);
     if (had)
-        kept.granted(asked.serial, *asked.wish);
+        kept.granted(asked.serial, *asked.wish, rung.connection);
     else if (had.error().is(Failure::refused)) // where it is lost it is asked for again
         kept.failed(asked.serial, *asked.wish, had.error());
     if (kept.is_over(asked.serial))

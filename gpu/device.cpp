@@ -65,8 +65,9 @@ Result<void> Device::pick(const DeviceOptions& options) {
     std::vector<DeviceInfo> infos;
     for (VkPhysicalDevice device : *physical)
         infos.push_back(describe(device, static_cast<int>(infos.size())));
-    const Result<int> index = options.only ? find_device(infos, *options.only)
-                                           : pick_device(infos, options.pick, options.draws);
+    Result<int> index = pick_device(infos, options.pick, options.draws);
+    if (options.only)
+        index = find_device(infos, *options.only, index ? *index : -1);
     if (!index)
         return index.error();
     physical_ = (*physical)[static_cast<std::size_t>(*index)];
@@ -271,10 +272,16 @@ Result<void> Device::wait(const Timeline& timeline, std::uint64_t ticket) {
     return waited;
 }
 
-void Device::wait_idle() {
-    const std::lock_guard lock(submit_mutex_);
-    if (!is_given_up(device_))
-        vkDeviceWaitIdle(device_);
+Result<void> Device::wait_idle() {
+    std::unique_lock lock(submit_mutex_);
+    const std::uint64_t last = timeline_.last_ticket, last_copy = transfers_.last_ticket;
+    lock.unlock();
+    SEAWAY_TRY(wait(last)); // with patience, which the wait for all of it has not
+    SEAWAY_TRY(wait_transfer(last_copy));
+    lock.lock();
+    if (is_given_up(device_))
+        return no_answer();
+    return call("vkDeviceWaitIdle", vkDeviceWaitIdle, device_);
 }
 
 Result<void> Device::submit_and_wait(const Commands& commands) {

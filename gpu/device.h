@@ -78,8 +78,8 @@ class Device {
     /// an error nothing of this device runs any more; or, after patience_s(), it is given up: nobody waits for it again, submit() and
     /// wait() are errors at once, and what is made from it stays taken until the process ends, for it may still be written to.
     Result<void> wait(std::uint64_t ticket);
-    /// Until nothing of it runs, unless it is given up.
-    void wait_idle();
+    /// Until nothing of it runs, or as wait() of what was submitted last.
+    Result<void> wait_idle();
     Result<void> submit_and_wait(const Commands& commands);
 
     /// Queues copies, recorded for the transfer queue, that start when `after`, a ticket of submit(), is done. They have

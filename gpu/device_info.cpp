@@ -174,8 +174,12 @@ Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wi
     return Error{"no Vulkan device \"" + std::string(wish) + "\"; there are: " + names_of(devices)};
 }
 
-Result<int> find_device(std::span<const DeviceInfo> devices, const DeviceIdentity& which) {
-    const auto found = std::ranges::find(devices, which, &DeviceInfo::identity);
+Result<int> find_device(std::span<const DeviceInfo> devices, const DeviceIdentity& which,
+                        int likely) {
+    auto found = std::ranges::find(devices, which, &DeviceInfo::identity);
+    for (auto twin = found; twin != devices.end(); ++twin)
+        if (twin->index == likely && twin->identity() == which)
+            found = twin;
     if (found == devices.end())
         return Error{"Vulkan device " + which.name +
                      " is not there; there are: " + names_of(devices)};

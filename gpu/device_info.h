@@ -63,6 +63,7 @@ Result<int> pick_device(std::span<const DeviceInfo> devices, std::string_view wi
                         bool draws = false);
 
 /// Where that very device is listed now; the error lists what there is.
-Result<int> find_device(std::span<const DeviceInfo> devices, const DeviceIdentity& which);
+Result<int> find_device(std::span<const DeviceInfo> devices, const DeviceIdentity& which,
+                        int likely = -1);
 
 } // namespace seaway::gpu

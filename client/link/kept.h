@@ -33,6 +33,11 @@ class Kept {
     /// That, to be asked for again.
     const One& wanted_one() const { return wanted_; }
 
+    /// Whoever asked for it: there is nothing to be asked for again.
+    bool is_granted_on(int connection) const {
+        return wanted_.wish && wanted_.serial == granted_.serial && granted_on_ == connection;
+    }
+
     Serial ask(Wish wish) {
         open_.reserve(open_max + 1); // a reply that comes too late takes no memory
         wanted_ = {std::move(wish), ++last_};
@@ -45,10 +50,12 @@ class Kept {
         ended_ = last_;
     }
 
-    void granted(Serial serial, const Wish& wish) {
+    /// `connection`: the number of the one that it was granted on, from 1 on, where that matters.
+    void granted(Serial serial, const Wish& wish, int connection = 0) {
         if (serial <= ended_ || serial < granted_.serial)
             return;
         granted_ = {wish, serial};
+        granted_on_ = connection;
         std::erase_if(open_, [&](const One& one) { return one.serial <= serial; });
         if (serial > wanted_.serial) // one that came after it was refused
             wanted_ = granted_;
@@ -74,8 +81,9 @@ class Kept {
 
     One wanted_, granted_;
     std::vector<One> open_; ///< not answered in time, by serial; later than what was granted
-    Serial last_ = 0;       ///< asked for
-    Serial ended_ = 0;      ///< the last one before an end
+    int granted_on_ = 0;
+    Serial last_ = 0;  ///< asked for
+    Serial ended_ = 0; ///< the last one before an end
 };
 
 } // namespace seaway::client

@@ -80,7 +80,7 @@ Result<void> Viewer::create(const OpenSea& open_sea, bool validation) {
 Viewer::~Viewer() {
     sea_.reset();
     if (device_)
-        device_->wait_idle();
+        (void)device_->wait_idle();
 }
 
 double Viewer::age_s() const {
@@ -217,7 +217,7 @@ Result<void> Viewer::fit_renderer(const glm::ivec2& pixels) {
     if (renderer_ && !other_quality && !other_size)
         return {};
     const bool first = !renderer_;
-    if (!first)
+    if (!first && !before_) // the last that has drawn
         before_ = Fit{drawn_pixels_, drawn_quality_};
     const Result<void> made = create_renderer(pixels, choice_.quality);
     refused_pixels_ = {};
@@ -239,7 +239,7 @@ Result<void> Viewer::go_back(const glm::ivec2& pixels, std::size_t quality, cons
 Result<void> Viewer::create_renderer(const glm::ivec2& pixels, std::size_t quality) {
     if (renderer_)
         SEAWAY_TRY(renderer_->finish());
-    device_->wait_idle();
+    SEAWAY_TRY(device_->wait_idle());
     gui_->set_picture(nullptr);
     picture_is_set_ = false;
     renderer_.reset(); // two do not lie in memory at once
@@ -319,7 +319,7 @@ Result<void> Viewer::draw_sea() {
     drawn_inputs_ = std::move(wanted);
     ++sea_frames_;
     if (!picture_is_set_) {
-        device_->wait_idle();
+        SEAWAY_TRY(device_->wait_idle());
         gui_->set_picture(&renderer_->shown());
         picture_is_set_ = true;
     }

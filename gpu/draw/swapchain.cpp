@@ -53,7 +53,7 @@ Swapchain::Swapchain(Swapchain&& other) noexcept
 Swapchain::~Swapchain() {
     if (surface_ == VK_NULL_HANDLE || is_given_up(device_->get()))
         return;
-    device_->wait_idle();
+    (void)device_->wait_idle();
     destroy_surface();
 }
 
@@ -114,7 +114,7 @@ Result<bool> Swapchain::create_chain(std::uint32_t width, std::uint32_t height) 
     if (extent.width == 0 || extent.height == 0 || width == 0 || height == 0)
         return false;
     // Pictures of the old one may still be under way.
-    SEAWAY_TRY(call("vkDeviceWaitIdle", vkDeviceWaitIdle, device_->get()));
+    SEAWAY_TRY(device_->wait_idle());
     pictures_.clear();
     const std::uint32_t most =
         can.maxImageCount > 0 ? can.maxImageCount : std::numeric_limits<std::uint32_t>::max();
@@ -175,7 +175,7 @@ Result<bool> Swapchain::mended(const Result<void>& done) {
         return true;
     const Error& error = done.error();
     if (error.is(VK_ERROR_SURFACE_LOST_KHR)) {
-        SEAWAY_TRY(call("vkDeviceWaitIdle", vkDeviceWaitIdle, device_->get()));
+        SEAWAY_TRY(device_->wait_idle());
         destroy_surface();
     } else if (!error.is(VK_ERROR_OUT_OF_DATE_KHR)) {
         return error;

@@ -43,7 +43,7 @@ Result<DeviceChoice> choose_again(const DeviceChoice& before, const ListDevices&
     if (!before.device)
         return before;
     SEAWAY_TRY_LET(const std::vector<gpu::DeviceInfo> devices, list());
-    SEAWAY_TRY_LET(const int index, gpu::find_device(devices, *before.device));
+    SEAWAY_TRY_LET(const int index, gpu::find_device(devices, *before.device, *before.vulkan));
     return DeviceChoice{index, before.why, before.device};
 }
 

@@ -194,6 +194,39 @@ TEST(OnTheWayBack, what_is_granted_is_not_fetched_anew_while_the_other_is_refuse
         }
 }
 
+// Naive: by the answer that came last, which may be of what has been granted since.
+TEST(OnTheWayBack, the_reason_is_of_what_is_missed_now) {
+    for (const bool threadless : {false, true}) {
+        OnTheWayBack way(threadless);
+        way.sea.refuses_tiles = true;
+        way.sea.refuses_waves = true;
+        way.line.cut();
+        ASSERT_TRUE(way.until(
+            [&] { return way.client->status().reason.find("no tiles") != std::string::npos; }));
+        way.sea.refuses_tiles = false;
+        ASSERT_TRUE(way.is_back()) << way.client->status().reason;
+        EXPECT_TRUE(way.until([&] {
+            return way.client->status().reason.find("no waves") != std::string::npos;
+        })) << way.client->status().reason;
+    }
+}
+
+// Naive: it is asked for once more when its turn comes, the stream stops and begins anew.
+TEST(OnTheWayBack, what_the_program_was_granted_meanwhile_is_not_asked_for_again) {
+    for (const bool threadless : {false, true}) {
+        OnTheWayBack way(threadless);
+        way.sea.refuses_waves = true;
+        ASSERT_TRUE(way.comes_back_to_no_tiles()) << way.client->status().reason;
+        way.sea.refuses_tiles = false;
+        EXPECT_TRUE(way.client->subscribe({.fields = sea::surface_fields, .error_m = 0.5f}, 2, 30));
+        const int tiles = way.sea.tiles_asked, waves = way.sea.waves_asked;
+        ASSERT_TRUE(way.is_back()) << way.client->status().reason;
+        ASSERT_TRUE(way.until([&] { return way.sea.waves_asked >= waves + 2; }))
+            << "its turn has come, too";
+        EXPECT_EQ(way.sea.tiles_asked, tiles);
+    }
+}
+
 TEST(OnTheWayBack, who_is_granted_nothing_is_connecting_until_something_is) {
     for (const bool threadless : {false, true}) {
         OnTheWayBack way(threadless);

@@ -24,6 +24,10 @@ TEST(DeviceIdentity, a_device_is_found_wherever_it_is_listed_and_no_other_of_its
     const std::vector<DeviceInfo> before{wanted, numbered(1, "lavapipe (llvmpipe)", 0)};
     EXPECT_EQ(*find_device(before, wanted.identity()), 0);
     EXPECT_EQ(*find_device(before, before[1].identity()), 1);
+    // Twins whose driver tells no two apart: the one that was meant, as long as it is there.
+    const std::vector<DeviceInfo> twins{numbered(0, "NVIDIA L4", 0), numbered(1, "NVIDIA L4", 0)};
+    EXPECT_EQ(*find_device(twins, twins[1].identity(), 1), 1);
+    EXPECT_EQ(*find_device(twins, twins[1].identity(), 7), 0);
     std::vector<DeviceInfo> now{numbered(0, "lavapipe (llvmpipe)", 0), numbered(1, "NVIDIA L4", 8),
                                 numbered(2, "NVIDIA L4", 7)};
     EXPECT_EQ(*find_device(now, wanted.identity()), 2);
