@@ -192,6 +192,15 @@ bool World::ever_runs(const sea::KeyframePtr& keyframe) const {
     return !course_->window(keyframe->epoch).empty();
 }
 
+namespace {
+
+/// As by lot, but of one keyframe always the same: rungs of several rates come one after the other.
+std::uint64_t turn_of(sea::TimeUs time_us) {
+    return (static_cast<std::uint64_t>(time_us) * 0x9e3779b97f4a7c15u) >> 33;
+}
+
+} // namespace
+
 void World::on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate) {
     if (!ever_runs(keyframe)) // any more: it was under way when another sea took its place
         return;
@@ -200,7 +209,8 @@ void World::on_keyframe(const sea::KeyframePtr& keyframe, std::size_t rate) {
         const std::scoped_lock lock(mutex_);
         publish = publish_;
     }
-    const std::vector<Quality> used = subscriptions().most_wanted(keyframe->cascade);
+    const std::vector<Quality> used =
+        subscriptions().most_wanted(keyframe->cascade, turn_of(keyframe->time_us));
     for (std::size_t rank = 0; rank < used.size(); ++rank)
         if (publish && rung_of(used[rank]).rate == rate) {
             KeyframeTiles one = tiles(keyframe, used[rank]);

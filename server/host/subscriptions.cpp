@@ -74,7 +74,7 @@ std::array<sea::FieldSet, rate_rungs_hz.size()> Subscriptions::wanted_by_rate(in
     return fields;
 }
 
-std::vector<Quality> Subscriptions::most_wanted(int cascade) const {
+std::vector<Quality> Subscriptions::most_wanted(int cascade, std::uint64_t turn) const {
     std::array<std::size_t, quality_rungs> readers{};
     {
         const std::scoped_lock lock(mutex_);
@@ -85,6 +85,8 @@ std::vector<Quality> Subscriptions::most_wanted(int cascade) const {
     for (Quality quality = 0; quality < quality_rungs; ++quality)
         if (readers[quality] > 0)
             used.push_back(quality);
+    if (!used.empty())
+        std::ranges::rotate(used, used.begin() + static_cast<std::ptrdiff_t>(turn % used.size()));
     std::ranges::stable_sort(used, std::greater{},
                              [&](Quality quality) { return readers[quality]; });
     return used;

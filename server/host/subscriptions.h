@@ -89,8 +89,9 @@ class Subscriptions {
     sea::FieldSet wanted(int cascade, Quality quality) const;
     /// The same of those who take keyframes at most at a rate, one a rung of rates.
     std::array<sea::FieldSet, rate_rungs_hz.size()> wanted_by_rate(int cascade) const;
-    /// Rungs at which somebody wants a cascade, those with most readers first.
-    std::vector<Quality> most_wanted(int cascade) const;
+    /// Rungs at which somebody wants a cascade, those with most readers first; of those with as many each in turn, by a number that is
+    /// another one each time: where not all can be served none of them is the one that never is.
+    std::vector<Quality> most_wanted(int cascade, std::uint64_t turn = 0) const;
     /// Rungs at which anybody (`but` one) wants any, without a look at each session, as each session asks for it when grants are renewed.
     std::bitset<quality_rungs> qualities() const { return qualities_but({}); }
     std::bitset<quality_rungs> qualities_but(std::optional<SessionId> session) const;

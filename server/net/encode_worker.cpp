@@ -35,7 +35,8 @@ std::size_t EncodeWorker::submit_streamed(Job job, const KeyframeTiles& tiles) {
             leave_out_the_oldest(left_out);
         Waiting next{std::move(job), keyframe};
         next.quality = tiles.quality;
-        next.rank = rank_of(tiles);
+        next.rank = tiles.rank;
+        bring_forward(tiles);
         if (const Waiting* same = another_of(next.of)) {
             next.place = same->place;
             next.arrived = same->arrived;
@@ -64,13 +65,12 @@ const EncodeWorker::Waiting* EncodeWorker::another_of(const sea::KeyframePtr& ke
     return found == streamed_.end() ? nullptr : &*found;
 }
 
-std::size_t EncodeWorker::rank_of(const KeyframeTiles& tiles) const {
-    std::size_t rank = tiles.rank;
-    for (const Waiting& one : streamed_)
+void EncodeWorker::bring_forward(const KeyframeTiles& tiles) {
+    for (Waiting& one : streamed_)
         if (tiles.keyframe != nullptr && one.of != nullptr && one.quality == tiles.quality &&
             one.of->cascade == tiles.keyframe->cascade)
-            rank = std::max(rank, one.rank);
-    return rank;
+            one.rank = std::min(one.rank, tiles.rank);
+    std::ranges::stable_sort(streamed_, {}, &Waiting::rank);
 }
 
 void EncodeWorker::leave_out_the_oldest(Line& left_out) {

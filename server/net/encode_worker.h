@@ -66,8 +66,8 @@ class EncodeWorker {
     bool submit(Line& line, std::size_t waiting_max, Job job);
     /// Of the rungs that wait of a keyframe, or the one that is encoded now; null: none.
     const Waiting* another_of(const sea::KeyframePtr& keyframe) const;
-    /// Where its stream goes on in the line.
-    std::size_t rank_of(const KeyframeTiles& tiles) const;
+    /// What waits of its stream, so that it goes ahead of it: by the rank that the stream has now, if that is lower.
+    void bring_forward(const KeyframeTiles& tiles);
     /// All that waits of the keyframe that came first.
     void leave_out_the_oldest(Line& left_out);
     void run();

@@ -34,9 +34,10 @@ void begin(http::response<Body>& response, unsigned status, const std::string& t
     response.keep_alive(keep_alive);
 }
 
-/// The serializer of a whole message would wait for the body that the length announces.
-void write_header(sockets::Socket& socket, const http::response_header<>& fields, Written done) {
-    const auto header = std::make_shared<http::response<http::empty_body>>(fields);
+/// The serializer of a whole message would wait for the body that the length announces. The header is moved: a copy of Beast's for
+/// which there is no memory halfway loses what it has.
+void write_header(sockets::Socket& socket, http::response_header<>&& fields, Written done) {
+    const auto header = std::make_shared<http::response<http::empty_body>>(std::move(fields));
     const auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
     http::async_write_header(socket, *serializer,
                              [header, serializer, done = std::move(done)](
@@ -61,7 +62,7 @@ void write_page(Core& core, sockets::Socket& socket, const Page& page, bool head
     socket.expires_after(core.options.http_deadline);
     response->content_length(page.announced_bytes.value_or(page.body.size()));
     if (head_only)
-        return write_header(socket, *response, std::move(done));
+        return write_header(socket, std::move(response->base()), std::move(done));
     response->body() = page.body;
     http::async_write(
         socket, *response,
@@ -73,7 +74,7 @@ void write_map_header(Core& core, sockets::Socket& socket, std::uint64_t bytes, 
     begin(response, 200, std::string(map_content_type), false);
     response.content_length(bytes);
     ++core.counters.http_responses[200];
-    write_header(socket, response, std::move(done));
+    write_header(socket, std::move(response.base()), std::move(done));
 }
 
 bool is_usual_end(error_code error) {

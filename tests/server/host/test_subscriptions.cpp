@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who wants what.
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "server/host/asker.h"
@@ -47,6 +49,16 @@ TEST(Subscriptions, a_quality_is_in_use_for_as_long_as_somebody_has_it) {
     all.set(4, {.cascades = 1u, .fields = {Field::height}, .quality = 5});
     all.set(5, {.cascades = 1u, .fields = {Field::height}, .quality = 5});
     EXPECT_EQ(all.most_wanted(0), (std::vector<Quality>{5, 2})) << "by readers";
+    EXPECT_EQ(all.most_wanted(0, 1), (std::vector<Quality>{5, 2})) << "in whatever turn";
+    all.set(6, {.cascades = 1u, .fields = {Field::height}, .quality = 7});
+    all.erase(2);
+    std::set<Quality>
+        last; // naive: of those with as many readers the one with the highest number, always
+    for (std::uint64_t turn = 0; turn < 3; ++turn)
+        last.insert(all.most_wanted(0, turn).back());
+    EXPECT_EQ(last, (std::set<Quality>{2, 7})) << "each in turn";
+    all.erase(6);
+    all.set(2, {.cascades = 3u, .fields = {Field::height}, .quality = 2});
     all.erase(4);
     all.erase(5);
     EXPECT_EQ(all.qualities_but(3), std::bitset<quality_rungs>{}.set(2)) << "but one";

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -169,6 +170,22 @@ TEST(EncodeWorker, keyframes_of_one_rung_are_encoded_in_their_order_whatever_the
     submit("a1", first, 1, 1);
     submit("b1", second, 1, 0);
     submit("b0", second, 0, 1);
+    EXPECT_EQ(held.let_go(), "a0a1b1b0");
+}
+
+// Naive: it stays behind what waits of it, which is last for as long as there is more than can be encoded.
+TEST(EncodeWorker, a_rung_whose_turn_has_come_takes_what_waits_of_it_along) {
+    HeldUp held(std::make_shared<server::Memory>());
+    const sea::KeyframePtr first = keyframe_of(1000), second = keyframe_of(1000);
+    for (const auto& [name, keyframe, quality, rank] : {std::tuple("a0", first, 0, 0),
+                                                        {"a1", first, 1, 1},
+                                                        {"b0", second, 0, 1},
+                                                        {"b1", second, 1, 0}})
+        EXPECT_EQ(held.worker.submit_streamed(held.note(name),
+                                              {.keyframe = keyframe,
+                                               .quality = static_cast<server::Quality>(quality),
+                                               .rank = static_cast<std::size_t>(rank)}),
+                  0u);
     EXPECT_EQ(held.let_go(), "a0a1b1b0");
 }
 
