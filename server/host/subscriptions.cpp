@@ -86,7 +86,8 @@ std::vector<Quality> Subscriptions::most_wanted(int cascade, std::uint64_t turn)
         if (readers[quality] > 0)
             used.push_back(quality);
     if (!used.empty())
-        std::ranges::rotate(used, used.begin() + static_cast<std::ptrdiff_t>(turn % used.size()));
+        std::rotate(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(turn % used.size()),
+                    used.end());
     std::ranges::stable_sort(used, std::greater{},
                              [&](Quality quality) { return readers[quality]; });
     return used;
