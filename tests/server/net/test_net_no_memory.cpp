@@ -78,10 +78,10 @@ class ThreadByHand {
         else if (bytes == 0 || (errno != EAGAIN && errno != EINTR))
             ended = true;
     }
-    /// False: not within ten seconds.
+    /// False: not within a minute, as long as a crowded machine may need.
     template <class Condition>
     bool comes(const Condition& condition) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+        const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
         while (!condition()) {
             if (std::chrono::steady_clock::now() > end)
                 return false;

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "server/device/native_synthesizer.h"
+#include "server/device/rebuilt_synthesizer.h"
 #include "server/simulation/simulation.h"
 
 namespace seaway::server {
@@ -101,6 +102,19 @@ class FailingSynthesizer final : public Synthesizer {
     std::atomic<int>&no_memory_, &trims_;
     NativeSynthesizer inner_{1};
 };
+
+/// What makes keyframes of this course's seas, with one thread.
+inline std::unique_ptr<RebuiltSynthesizer> native_synthesizer(const SeaCourse& course) {
+    return RebuiltSynthesizer::start(
+               [](const sea::RealizationPtr& sea, std::uint32_t epoch,
+                  Making) -> Result<std::unique_ptr<Synthesizer>> {
+                   auto made = std::make_unique<NativeSynthesizer>(1);
+                   SEAWAY_TRY(made->set_sea(sea, epoch));
+                   return std::unique_ptr<Synthesizer>(std::move(made));
+               },
+               course.first()->realization, 1, nullptr)
+        .value();
+}
 
 /// A simulation, what it published, and its clock.
 struct Bench {

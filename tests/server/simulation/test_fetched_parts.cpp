@@ -60,17 +60,7 @@ struct ChangingFoam {
     std::shared_ptr<SeaCourse> course =
         course_with(16, 20 * second_us, "[foam]\nthreshold = 0.9\ndecay_s = 10\n");
     Memory memory{Memory::bytes_default, needs_of(*course->first())};
-    KeyframeSource source{course,
-                          RebuiltSynthesizer::start(
-                              [](const sea::RealizationPtr& sea, std::uint32_t epoch,
-                                 server::Making) -> Result<std::unique_ptr<Synthesizer>> {
-                                  auto made = std::make_unique<NativeSynthesizer>(1);
-                                  SEAWAY_TRY(made->set_sea(sea, epoch));
-                                  return std::unique_ptr<Synthesizer>(std::move(made));
-                              },
-                              course->first()->realization, 1, nullptr)
-                              .value(),
-                          memory};
+    KeyframeSource source{course, native_synthesizer(*course), memory};
 
     /// By one thread that makes all seas, too.
     std::vector<sea::KeyframePtr> fetch(TimeUs time_us, const Demand& demand) {

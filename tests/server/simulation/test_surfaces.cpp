@@ -17,17 +17,7 @@ struct SurfaceBench {
 
     std::shared_ptr<SeaCourse> course = std::make_shared<SeaCourse>(running_sea());
     Memory memory;
-    KeyframeSource source{course,
-                          RebuiltSynthesizer::start(
-                              [](const sea::RealizationPtr& sea, std::uint32_t epoch,
-                                 server::Making) -> Result<std::unique_ptr<Synthesizer>> {
-                                  auto made = std::make_unique<NativeSynthesizer>(1);
-                                  SEAWAY_TRY(made->set_sea(sea, epoch));
-                                  return std::unique_ptr<Synthesizer>(std::move(made));
-                              },
-                              course->first()->realization, 1, nullptr)
-                              .value(),
-                          memory};
+    KeyframeSource source{course, native_synthesizer(*course), memory};
     Surfaces surfaces{course, source, memory};
 
     void change(TimeUs start_us, TimeUs end_us) {
