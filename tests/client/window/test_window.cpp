@@ -159,7 +159,7 @@ TEST_F(WindowTest, the_slider_of_the_hour_makes_night) {
     mouse(at.low.x + 3, middle);
     ASSERT_TRUE(step_until([&] { return viewer_->choice().look.hour < 1; }));
     display_->tool("mouseup 1");
-    step(); // the next frame asks for that sky; until then the one of where the drag began counts as settled
+    step(); // the next frame asks for that sky; until then that of where the drag began counts as settled
     ASSERT_TRUE(step_until([&] { return viewer_->skies().settled(); }));
     step();
     EXPECT_LT(shot().mean(), 0.7 * noon);
@@ -248,6 +248,7 @@ TEST_F(WindowTest, a_look_is_saved_and_loaded_and_what_is_wrong_with_one_is_said
         << viewer_->model().look_said;
     EXPECT_EQ(viewer_->choice().look.water, sea::WaterType::coastal_9);
     EXPECT_EQ(viewer_->choice().look.clouds.coverage, 0) << "what a file leaves out is the default";
+    step(); // the next frame asks for that sky
     ASSERT_TRUE(step_until([&] { return viewer_->skies().settled(); }));
     step(10);
     EXPECT_LT(shot().mean(), 0.8 * before) << "it is night";
