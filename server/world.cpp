@@ -278,7 +278,7 @@ void World::query(QueryBatch batch, Queried done) {
     asked.z_m = std::move(batch.z_m);
     std::optional<std::uint32_t> counted;
     if (asked.looking != sea::Looking{})
-        counted = felt_cascades(*course_, asked.looking);
+        counted = felt_cascades(*course_, asked.points, asked.looking);
     simulation_->answer(
         std::move(asked),
         [epoch = course_->window_at(time_us).epoch, counted,

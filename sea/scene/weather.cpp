@@ -34,7 +34,16 @@ constexpr std::pair<std::string_view, std::string_view> exclusive_keys[] = {
     {"phillips_constant", "significant_height_m"},
     {"file", "data"}};
 
-/// Keys of the effective text in whose place stands what is set at this path.
+/// Of the systems that a scene may have.
+bool is_system(std::string_view number) {
+    int value = -1;
+    const auto [end, fault] = std::from_chars(number.begin(), number.end(), value);
+    return number.size() <= 2 && fault == std::errc{} && end == number.end() && value >= 0 &&
+           value < scene_systems_max;
+}
+
+/// Keys of the effective text in whose place stands what is set at this path. The text is read for those alone that are set once
+/// for each of a few systems.
 std::vector<std::string> keys_replaced_by(const std::string& path, std::string_view text) {
     if (path == "foam.coverage")
         return {"foam.threshold"}; // which would win over it
@@ -43,7 +52,10 @@ std::vector<std::string> keys_replaced_by(const std::string& path, std::string_v
         return {};
     const std::string table = path.substr(0, dot);
     const std::string_view key = std::string_view(path).substr(dot + 1);
-    const std::vector<std::string> held = toml_keys(text, table);
+    std::vector<std::string> held;
+    if ((key == "file" || key == "data" || key == "preset") &&
+        is_system(std::string_view(table).substr(systems_path.size())))
+        held = toml_keys(text, table);
     std::vector<std::string> replaced;
     const auto replace = [&](std::string_view one) {
         replaced.push_back(fmt::format("{}.{}", table, one));

@@ -199,8 +199,10 @@ Result<void> add_sine_field(Realization& realization, const SineRamps& ramps, co
     // No octave of noise has a longer one than this, either.
     (*tile)->placed_from_radpm =
         std::min((*tile)->placed_from_radpm, 0.5 * (*tile)->spec.wavenumber_step_radpm());
-    (*tile)->sines.push_back(sine_field(ramps, sea.seed, index, sea.dispersion(), sea.height_scale,
-                                        realization.loop_period_us));
+    SineField field = sine_field(ramps, sea.seed, index, sea.dispersion(), sea.height_scale,
+                                 realization.loop_period_us);
+    field.number = static_cast<int>((*tile)->sines.size());
+    (*tile)->sines.push_back(std::move(field));
     return {};
 }
 

@@ -108,6 +108,7 @@ struct SineField {
         }
     };
     SineKind kind = SineKind::exponential; ///< not gerstner
+    int number = 0;                        ///< of its tile's stylised systems, from 0
     double length_m = 0.0;
     double sharpness = 1.0;
     double drag = 0.0;

@@ -90,36 +90,43 @@ void continue_wave(const SineField::Wave& from, const Clocks& clocks, SineField:
     to.phase_offset_turns = from.phase_offset_turns + clocks.since(from.rate, to.rate);
 }
 
-void continue_sines(const CascadeModes& from, CascadeModes& to, const Clocks& clocks) {
-    for (std::size_t f = 0; f < std::min(from.sines.size(), to.sines.size()); ++f) {
-        const SineField& before = from.sines[f];
-        SineField& after = to.sines[f];
-        for (std::size_t w = 0; w < std::min(before.waves.size(), after.waves.size()); ++w)
-            continue_wave(before.waves[w], clocks, after.waves[w]);
-        for (std::size_t o = 0; o < std::min(before.octaves.size(), after.octaves.size()); ++o)
-            continue_octave(before.octaves[o], clocks, after.octaves[o]);
-    }
+/// Both fields of the same stylised system. A sea that glides has each twice, as it was and as it will be: the same waves, turned
+/// by as much.
+template <class Before, class After, class F>
+void for_each_pair(Before& before, After& after, const F& f) {
+    for (auto& b : before)
+        for (auto& a : after)
+            if (a.number == b.number)
+                f(b, a);
 }
 
-/// Waves and patterns that both have turn, and drift, as those of `sea` do.
-void adopt_speeds(const std::vector<SineField>& sea, std::vector<SineField>& sines) {
-    for (std::size_t f = 0; f < std::min(sea.size(), sines.size()); ++f) {
-        const SineField& like = sea[f];
-        SineField& field = sines[f];
-        for (std::size_t w = 0; w < std::min(like.waves.size(), field.waves.size()); ++w)
-            if (same_wave(like.waves[w], field.waves[w])) {
-                field.waves[w].rate = like.waves[w].rate;
-                field.waves[w].omega_radps = like.waves[w].omega_radps;
-            }
-        for (std::size_t o = 0; o < std::min(like.octaves.size(), field.octaves.size()); ++o)
-            if (const NoiseOctave& octave = like.octaves[o];
-                same_pattern(octave, field.octaves[o])) {
-                field.octaves[o].speed_x_mps = octave.speed_x_mps;
-                field.octaves[o].speed_y_mps = octave.speed_y_mps;
-                field.octaves[o].rate_x = octave.rate_x;
-                field.octaves[o].rate_y = octave.rate_y;
-            }
-    }
+void continue_field(const SineField& before, const Clocks& clocks, SineField& after) {
+    for (std::size_t w = 0; w < std::min(before.waves.size(), after.waves.size()); ++w)
+        continue_wave(before.waves[w], clocks, after.waves[w]);
+    for (std::size_t o = 0; o < std::min(before.octaves.size(), after.octaves.size()); ++o)
+        continue_octave(before.octaves[o], clocks, after.octaves[o]);
+}
+
+void continue_sines(const CascadeModes& from, CascadeModes& to, const Clocks& clocks) {
+    for_each_pair(from.sines, to.sines, [&](const SineField& before, SineField& after) {
+        continue_field(before, clocks, after);
+    });
+}
+
+/// Waves and patterns that both have turn, and drift, as those of `like` do.
+void adopt_speeds(const SineField& like, SineField& field) {
+    for (std::size_t w = 0; w < std::min(like.waves.size(), field.waves.size()); ++w)
+        if (same_wave(like.waves[w], field.waves[w])) {
+            field.waves[w].rate = like.waves[w].rate;
+            field.waves[w].omega_radps = like.waves[w].omega_radps;
+        }
+    for (std::size_t o = 0; o < std::min(like.octaves.size(), field.octaves.size()); ++o)
+        if (const NoiseOctave& octave = like.octaves[o]; same_pattern(octave, field.octaves[o])) {
+            field.octaves[o].speed_x_mps = octave.speed_x_mps;
+            field.octaves[o].speed_y_mps = octave.speed_y_mps;
+            field.octaves[o].rate_x = octave.rate_x;
+            field.octaves[o].rate_y = octave.rate_y;
+        }
 }
 
 /// `source` in full, with the phases that it has at `source_time` at `time` on the clock of `onto`,
@@ -131,7 +138,8 @@ void continue_onto(const CascadeModes& source, TimeUs source_time, TimeUs time,
     onto.phase_offset_turns = offsets;
     onto.depth_m = source.depth_m;
     const std::vector<SineField> sines = std::exchange(onto.sines, source.sines);
-    adopt_speeds(sines, onto.sines);
+    for_each_pair(sines, onto.sines,
+                  [](const SineField& like, SineField& field) { adopt_speeds(like, field); });
     continue_sines(source, onto, {source_time, time});
 }
 

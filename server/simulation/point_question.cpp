@@ -48,9 +48,12 @@ std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& loo
     return all ? sea::all_cascades : felt;
 }
 
-std::uint32_t felt_cascades(const SeaCourse& course, const sea::Looking& looking) {
+std::uint32_t felt_cascades(const SeaCourse& course, std::span<const sea::QueryPoint> points,
+                            const sea::Looking& looking) {
+    const sea::TimeUs given_us = course.gives_waves_from_us();
     sea::Looking by = looking;
-    if (course.gives_waves_later())
+    if (std::ranges::any_of(
+            points, [&](const sea::QueryPoint& point) { return point.time_us >= given_us; }))
         by.min_wavelength_m = 0;
     return felt_cascades(*course.first()->realization, by);
 }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sea/surface/answer.h"
@@ -50,8 +51,10 @@ struct PointsAnswered {
 /// have the same ones.
 std::uint32_t felt_cascades(const sea::Realization& sea, const sea::Looking& looking);
 
-/// The same of all seas of a course: what is not known yet is felt.
-std::uint32_t felt_cascades(const SeaCourse& course, const sea::Looking& looking);
+/// The same of all seas of a course that these points are of. From where a change gives waves by hand all are felt: how long those
+/// are is not known before that sea is made.
+std::uint32_t felt_cascades(const SeaCourse& course, std::span<const sea::QueryPoint> points,
+                            const sea::Looking& looking);
 
 class PointQuestion {
   public:

@@ -171,7 +171,8 @@ void SeaCourse::append(std::vector<Row> rows, std::size_t changes) {
     while (!added.empty() && changes_.back()->start_us >= added.front()->start_us)
         changes_.pop_back();
     for (ChangePtr& change : added) {
-        gives_waves_later_ = gives_waves_later_ || gives_waves(change->scene.sea);
+        if (gives_waves(change->scene.sea))
+            gives_waves_from_us_ = std::min(gives_waves_from_us_.load(), change->start_us);
         changes_.push_back(std::move(change));
     }
     last_number_ += static_cast<std::uint32_t>(changes);

@@ -110,8 +110,9 @@ class SeaCourse {
     /// It is the steady sea behind a change, whose glide is the epoch before.
     static bool ends_a_glide(std::uint32_t epoch) { return epoch > 1 && !is_glide(epoch); }
 
-    /// A change has waves given by hand, which need not keep to the bands that all seas of the course share.
-    bool gives_waves_later() const { return gives_waves_later_; }
+    /// From when on a change has, or had, waves given by hand, which need not keep to the bands that all seas of the course
+    /// share; never: the last time there is.
+    sea::TimeUs gives_waves_from_us() const { return gives_waves_from_us_; }
 
     /// How many glides hang together that one takes over from which begins at this time, each having taken over from the one
     /// before; 0: the sea is steady.
@@ -195,7 +196,7 @@ class SeaCourse {
     mutable std::mutex making_; ///< one sea is made at a time
     mutable std::atomic<bool> is_making_ = false;
     mutable std::atomic<std::uint64_t> seas_made_ = 0;
-    std::atomic<bool> gives_waves_later_ = false;
+    std::atomic<sea::TimeUs> gives_waves_from_us_ = std::numeric_limits<sea::TimeUs>::max();
     mutable CoursePhases phases_;
     mutable std::mutex mutex_; ///< of what follows
     Changes

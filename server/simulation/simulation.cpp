@@ -322,7 +322,7 @@ void Simulation::answer(PointsAsked asked, Answered done, const Asker& asker) {
         prompt_points) // whose price takes milliseconds to find
         if (const std::optional<Error> refusal = questions_.why_not(asker, bytes))
             return done(*refusal);
-    const std::uint32_t cascades = felt_cascades(*course_, asked.looking);
+    const std::uint32_t cascades = felt_cascades(*course_, points, asked.looking);
     const double price_us = exact ? prices_.exact_us(points, asked.z_m.size())
                                   : prices_.points_us(points, holding(), cascades);
     const bool prompt = price_us <= prices_.prompt_us();

@@ -332,6 +332,35 @@ TEST(Transition, stylised_waves_of_both_seas_turn_as_one_where_the_depth_changes
     }
 }
 
+// Naive: a sea that glides has each field twice, and of those one went on at the depth before: 60 % of the height every 33 s, and
+// less towards the middle.
+TEST(Transition, stylised_waves_turn_as_one_where_a_depth_takes_over_from_a_glide_to_another) {
+    for (const SineKind kind : {SineKind::sine, SineKind::exponential, SineKind::noise}) {
+        SineRamps ramps = one_of(kind, 1.0);
+        ramps.wavelength_m = 64.0;
+        ramps.length_m = 640.0;
+        const auto at_depth = [&](double depth_m) {
+            SeaState sea;
+            sea.systems = {ramps, ramps};
+            sea.depth_m = depth_m;
+            return realized(sea, {{640.0, 128}});
+        };
+        RealizationPtr sea = at_depth(100.0);
+        TimeUs start = 7'000'000;
+        for (const double depth_m : {10.0, 5.0, 20.0}) {
+            const TimeUs end = start + 600'000'000;
+            const auto glide = SeaTransition::create(sea, at_depth(depth_m), start, end);
+            ASSERT_TRUE(glide);
+            for (TimeUs t = start; t < end; t += 9'876'543)
+                EXPECT_NEAR(height(glide->gliding(t), t), height(glide->after(), t), 1e-9)
+                    << depth_m << " m, " << t;
+            EXPECT_NEAR(height(glide->at(start), start), height(sea, start), 1e-9) << depth_m;
+            start += 200'000'000;
+            sea = glide->gliding(start);
+        }
+    }
+}
+
 /// Waves that drag those behind them along by as much as they are high.
 SineRamps dragging(double amplitude_m) {
     SineRamps ramps = one_of(SineKind::exponential, amplitude_m);

@@ -90,7 +90,10 @@ TEST(SimulationCounters, waves_that_a_change_gives_by_hand_are_felt_by_who_feels
     Bench bench;
     const double length_m = bench.sea->realization->cascades[1].spec.length_m;
     const sea::Looking looking{.min_wavelength_m = 0.99 * length_m};
-    EXPECT_FALSE(felt_cascades(*bench.course, looking) & 2u);
+    const sea::TimeUs start_us = 10 * second_us;
+    const std::vector<sea::QueryPoint> before{{0, 0, start_us - 1}},
+        from{{0, 0, 0}, {0, 0, start_us}};
+    EXPECT_FALSE(felt_cascades(*bench.course, from, looking) & 2u);
     sea::SineRamps sines;
     sines.length_m = length_m;
     sines.count = 1;
@@ -103,9 +106,11 @@ TEST(SimulationCounters, waves_that_a_change_gives_by_hand_are_felt_by_who_feels
         const Bench other;
         sea::Scene given = other.sea->scene;
         given.sea.systems.push_back(system);
-        ASSERT_TRUE(other.course->add(given, 10 * second_us, 20 * second_us));
-        EXPECT_TRUE(felt_cascades(*other.course, looking) & 2u) << system.index();
-        EXPECT_EQ(felt_cascades(*other.course, {.cascades = 1, .min_wavelength_m = 1.0}), 1u)
+        ASSERT_TRUE(other.course->add(given, start_us, 20 * second_us));
+        EXPECT_TRUE(felt_cascades(*other.course, from, looking) & 2u) << system.index();
+        EXPECT_FALSE(felt_cascades(*other.course, before, looking) & 2u)
+            << "a change of tomorrow, and today more is felt: " << system.index();
+        EXPECT_EQ(felt_cascades(*other.course, from, {.cascades = 1, .min_wavelength_m = 1.0}), 1u)
             << "of which others were told to be left out stay so";
     }
 }
