@@ -5,6 +5,7 @@
 #include <chrono>
 #include <new>
 
+#include "base/elapsed.h"
 #include "base/thread_name.h"
 
 namespace seaway::server {
@@ -13,6 +14,8 @@ namespace {
 
 /// What was made for a fetch is remembered for one to two of these: others may ask for the same.
 constexpr std::chrono::seconds trims_every{2};
+/// Slices of no more than this are counted, longer ones measured.
+constexpr double counted_slice_s = 1e-3;
 
 } // namespace
 
@@ -126,7 +129,8 @@ EncoderCounters EncodeWorker::counters() const {
 
 EncodeWorker::Line* EncodeWorker::next_line() {
     const bool others = !starts_.empty() || !fetched_.empty();
-    if (!streamed_.empty() && (!others || ahead_ < stream_slices_ahead))
+    const bool goes_ahead = ahead_ < stream_slices_ahead || owed_s_ > 0;
+    if (!streamed_.empty() && (!others || goes_ahead))
         return &streamed_;
     if (!others)
         return nullptr;
@@ -143,6 +147,13 @@ EncodeWorker::Waiting EncodeWorker::take_from(Line& line) {
     Waiting next = std::move(line.front());
     line.pop_front();
     return next;
+}
+
+void EncodeWorker::note_took(const Line& line, double seconds) {
+    if (&line == &streamed_)
+        owed_s_ -= seconds;
+    else
+        owed_s_ = seconds > counted_slice_s ? stream_slices_ahead * seconds : 0.0;
 }
 
 void EncodeWorker::run() {
@@ -171,12 +182,15 @@ void EncodeWorker::run() {
         encoded_now_ = &next;
         lock.unlock();
         bool done = true; // also where there is no memory for it
+        const double start_s = thread_cpu_seconds();
         try {
             done = next.job(encoder_);
         } catch (const std::bad_alloc&) {
         }
+        const double took_s = thread_cpu_seconds() - start_s;
         lock.lock();
         encoded_now_ = nullptr;
+        note_took(*line, took_s);
         try {
             if (!done && !stopping_)
                 line->push_front(std::move(next));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // EncodeWorker: the thread that owns the Encoder. Streamed keyframes go before fetched ones, also in
-// the middle of a fetch: a large one is encoded slice by slice. Ahead of what waits go stream_slices_ahead of them, then
-// one slice of a start or of a fetch, in turns: a stream that never catches up keeps nobody from joining and no fetch from
-// its end. The lines are bounded: what does not
+// the middle of a fetch: a large one is encoded slice by slice. Ahead of what waits go stream_slices_ahead of them, or as many
+// as take so many times what the last such slice took, then one slice of a start or of a fetch, in turns: a stream that never
+// catches up keeps nobody from joining and no fetch from its end, and no grid is so large that its fetch takes more than its share. The lines are bounded: what does not
 // fit is refused to its owner, who counts it. Of what is streamed the rungs with most readers go first, and where there is
 // no room what has waited longest goes: sessions with wishes of their own take nothing from the others.
 #pragma once
@@ -74,6 +74,8 @@ class EncodeWorker {
     /// The line whose turn it is, or null: streamed keyframes, as far as they go ahead, then starts and fetches one by one.
     Line* next_line();
     Waiting take_from(Line& line);
+    /// What a slice of this line took of the thread.
+    void note_took(const Line& line, double seconds);
 
     const MemoryPtr memory_;
     mutable std::mutex mutex_;
@@ -85,7 +87,8 @@ class EncodeWorker {
     Line fetched_;
     Line starts_;
     bool starts_turn_ = true; ///< before fetches
-    int ahead_ = 0; ///< streamed ones that went before others who wait, since the last of these
+    int ahead_ = 0;     ///< streamed ones that went before others who wait, since the last of these
+    double owed_s_ = 0; ///< what streamed ones are to take yet for what that took
     Encoder
         encoder_; ///< of the thread alone but for its counters, and made before it, where what throws is heard
     std::thread thread_;

@@ -191,10 +191,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         if (core().stopping && asked.path == map_path)
             return respond(stopping_page(core()), head_only(), false);
         const bool reads = request.method() == http::verb::get || head_only();
-        if (reads && asked.path == map_path && !health_only)
-            return head_only() ? announce_map(asked.parameters)
-                               : serve_map(std::move(slot_), std::move(socket_), std::move(peer_),
-                                           std::move(asked.parameters));
+        if (reads && asked.path == map_path && !health_only) {
+            if (head_only())
+                return announce_map(asked.parameters);
+            peer_.address->request_bytes.take(answer_price_bytes, Clock::now()); // a refusal, too
+            return serve_map(std::move(slot_), std::move(socket_), std::move(peer_),
+                             std::move(asked.parameters));
+        }
         respond(page_for(core(), text(request.method_string()), asked.path, health_only),
                 head_only(), goes_on());
     }

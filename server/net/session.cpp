@@ -311,8 +311,10 @@ void Session::count_sent(const protocol::Bytes& message) {
 
 void Session::hello_overdue() {
     if (!greeted_)
-        close(ErrorCode::hello_expected,
-              fmt::format("no Hello within {} ms", core_.options.hello_deadline.count()));
+        or_drop([&] {
+            close(ErrorCode::hello_expected,
+                  fmt::format("no Hello within {} ms", core_.options.hello_deadline.count()));
+        });
 }
 
 bool Session::takes(const EncodedKeyframe& keyframe) {
@@ -421,8 +423,11 @@ void Session::close(ErrorCode code, const std::string& why, std::chrono::millise
 void Session::give_up(const std::string& why) {
     if (!outbox_.is_sending_streamed())
         return close(ErrorCode::too_slow, why);
-    end(protocol::name(ErrorCode::too_slow), why);
-    link_.drop();
+    or_drop(
+        [&] { // who waits for its places waits no longer, also where there is no memory to say so
+            end(protocol::name(ErrorCode::too_slow), why);
+            link_.drop();
+        });
 }
 
 void Session::end(std::string_view reason, std::string_view why) {
@@ -433,13 +438,13 @@ void Session::end(std::string_view reason, std::string_view why) {
     core_.sessions.erase(id_); // before all for which there may be no memory: it ends once
     on_unsubscribe();
     core_.counters.outboxes += outbox_.counters();
+    outbox_.clear(); // what waited is released now, not when the connection goes
     ++core_.counters.sessions_closed[std::string(reason)];
     const std::chrono::duration<double> open = std::chrono::steady_clock::now() - opened_;
     core_.log(fmt::format("event=session_closed session={} peer={} reason={} why={} "
                           "open_s={:.1f} messages_sent={} bytes_sent={}",
                           id_, peer_.name, reason, in_quotes(printable(why)), open.count(),
                           messages_sent_, bytes_sent_));
-    outbox_ = Outbox(); // what waited is released now, not when the connection goes
 }
 
 } // namespace seaway::server

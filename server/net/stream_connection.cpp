@@ -216,7 +216,7 @@ class StreamConnection final : public Link,
         write_timer_.expires_after(core().options.write_timeout);
         write_timer_.async_wait([self = shared_from_this()](error_code error) {
             if (!error)
-                self->write_overdue();
+                self->or_drop([&] { self->write_overdue(); });
         });
         ws_.finish([self = shared_from_this()](const Result<bool>& all) {
             self->or_drop([&] { self->on_written(all); });

@@ -116,7 +116,8 @@ std::size_t message_bytes(const EncodedKeyframe& keyframe, sea::FieldSet fields,
 
 sea::FieldSet maps_that_bring(const EncodedKeyframe& keyframe, sea::FieldSet fields,
                               sea::FieldSet follows) {
-    const sea::FieldSet maps = keyframe.fields & (fields | follows.without(keyframe.follows));
+    const sea::FieldSet wished = keyframe.fields & (fields | follows.without(keyframe.follows));
+    const sea::FieldSet maps = wished.without(keyframe.follows & sea::following(wished));
     const sea::FieldSet brought = maps | (keyframe.follows & sea::following(maps));
     return brought.contains(fields | follows) ? maps : sea::FieldSet{};
 }

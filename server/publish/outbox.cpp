@@ -191,6 +191,20 @@ void Outbox::stop_stream() {
     last_streamed_.clear();
 }
 
+void Outbox::clear() noexcept {
+    replies_.clear();
+    durable_.clear();
+    spectra_.clear();
+    fetched_.clear();
+    stop_stream();
+    unacknowledged_.clear();
+    reply_bytes_ = fetched_bytes_ = 0;
+    fetches_waiting_ = 0;
+    begun_ = {};
+    sent();
+    last_run_ = {};
+}
+
 bool Outbox::acknowledge(std::uint64_t keyframe) {
     return std::erase(unacknowledged_, keyframe) > 0;
 }

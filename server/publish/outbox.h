@@ -98,6 +98,8 @@ class Outbox {
         run_ = {};
     }
 
+    /// Forgets all, but what it has counted: who it was for is gone.
+    void clear() noexcept;
     std::size_t bytes_waiting() const;
     std::size_t reply_bytes_waiting() const { return reply_bytes_; }
     /// A keyframe of the stream, and what it holds; number 0: none.

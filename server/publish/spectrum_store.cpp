@@ -166,13 +166,15 @@ Result<SpectrumStore::Made> SpectrumStore::find_held(const SpectrumSource& sea, 
     const auto at = rungs->second.find(rung);
     if (at == rungs->second.end() || !at->second.known())
         return no_room();
+    if (at->second.refused)
+        return *at->second.refused;
     at->second.used = ++uses_;
     return at->second;
 }
 
 Result<SpectrumStore::Made> SpectrumStore::find_or_make(const SpectrumSource& sea,
                                                         const Rung& rung) {
-    if (Result<Made> held = find_held(sea, rung))
+    if (Result<Made> held = find_held(sea, rung); held || !held.error().is(Refusal::busy))
         return held;
     {
         const std::scoped_lock lock(mutex_);
@@ -188,7 +190,11 @@ Result<SpectrumStore::Made> SpectrumStore::make(const SpectrumSource& sea, const
     const double slope = slope_rungs[rung.slope];
     const sea::QuantisedSpectrum waves =
         sea::quantise(*sea.waves, {height_rungs[rung.height] * sea.height_error_m, slope});
-    SEAWAY_TRY(check_told(waves.without));
+    if (const Result<void> told = check_told(waves.without); !told) {
+        const std::scoped_lock lock(mutex_);
+        of_sea(sea.epoch)[rung] = {.refused = told.error()};
+        return told.error();
+    }
     const sea::SpectrumLeft left = waves.left.empty() ? waves.without : waves.left.back();
     std::unique_ptr<EncodedSpectrum> encoded = encode_spectrum(sea, waves);
     ++made_so_far_;

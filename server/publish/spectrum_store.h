@@ -73,7 +73,8 @@ class SpectrumStore {
         EncodedSpectrumPtr spectrum = nullptr; ///< null: let go of, or larger than the wire takes
         std::size_t bytes = 0;                 ///< 0: larger than the wire takes
         double slope_error = 0;
-        std::uint64_t used = 0; ///< of uses_
+        std::uint64_t used = 0;            ///< of uses_
+        std::optional<Error> refused = {}; ///< why there is none
         bool known() const { return spectrum != nullptr || bytes == 0; }
     };
     /// What is at a rung, or why it cannot be had.
@@ -84,7 +85,7 @@ class SpectrumStore {
                                   const Find& find);
     Result<GrantedSpectrum> grant_one(const SpectrumSource& sea, const SpectrumDemand& wish,
                                       const Find& find);
-    /// An error, busy: it is not there.
+    /// An error, busy: it is not there. Another: it was refused.
     Result<Made> find_held(const SpectrumSource& sea, const Rung& rung);
     Result<Made> find_or_make(const SpectrumSource& sea, const Rung& rung);
     Result<Made> make(const SpectrumSource& sea, const Rung& rung);

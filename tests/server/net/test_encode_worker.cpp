@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/elapsed.h"
 #include "server/net/encode_worker.h"
 #include "tests/support/eventually.h"
 
@@ -245,6 +246,33 @@ TEST(EncodeWorker, an_encoder_that_is_never_idle_ends_starts_and_fetches_all_the
     done.get_future().wait();
     held.worker.stop();
     EXPECT_EQ(held.order.substr(0, 20), "ssssbssssfssssbssssf");
+}
+
+// Naive: turns go by count, and a fetch of a large grid has most of the thread: between two of its slices four of the stream's.
+TEST(EncodeWorker, slices_of_a_fetch_that_are_long_wait_for_as_much_of_the_stream) {
+    HeldUp held(std::make_shared<server::Memory>());
+    std::promise<void> done;
+    int slices = 0;
+    EXPECT_TRUE(held.worker.submit_fetched([&](server::Encoder&) {
+        const double end_s =
+            thread_cpu_seconds() + 0.05; // of 100 short ones of the stream each takes microseconds
+        while (thread_cpu_seconds() < end_s) {
+        }
+        held.order += 'f';
+        if (++slices == 2)
+            done.set_value();
+        return slices == 2;
+    }));
+    for (int i = 0; i < 100; ++i)
+        EXPECT_EQ(held.worker.submit_streamed([&](server::Encoder&) {
+            held.order += 's';
+            return true;
+        }),
+                  0u);
+    held.gate.set_value();
+    done.get_future().wait();
+    held.worker.stop();
+    EXPECT_EQ(held.order, "ssssf" + std::string(96, 's') + "f");
 }
 
 } // namespace

@@ -145,6 +145,9 @@ TEST_F(NetAcks, come_for_keyframes_on_their_way_too_when_what_follows_from_them_
     EXPECT_EQ(sent_over_a_change(false, compact(sea::surface_fields, moved)), heights)
         << "no more than is needed";
     acknowledge(line.streamed.back());
+    EXPECT_EQ(sent_over_a_change(true, compact(sea::surface_fields, moved)), heights)
+        << "nor of a sea whose others follow, where those of the next are granted as maps";
+    acknowledge(line.streamed.back());
     EXPECT_EQ(sent_over_a_change(true, compact(heights, {})), sea::FieldSet{}) << "half of it";
     EXPECT_EQ(sent_over_a_change(true, compact({sea::Field::height}, moved)), sea::FieldSet{})
         << "no rates follow from heights";

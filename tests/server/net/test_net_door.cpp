@@ -343,6 +343,18 @@ TEST_F(NetDoor, every_answer_is_of_the_share_of_who_asks) {
     EXPECT_EQ(counted("seaway_net_reads_delayed_total"), delayed) << "who watches is not to wait";
 }
 
+// Naive: what answers a map charges for nothing but maps.
+TEST_F(NetDoor, maps_that_are_refused_are_of_the_share_of_who_asks_too) {
+    host.is_busy = true;
+    options.health_listen = "127.0.0.1:0";
+    options.request_bytes_per_s_per_address = 16 * 1024; // four answers at once, and two a second
+    start();
+    const auto delayed = [&] { return counted("seaway_net_reads_delayed_total"); };
+    for (int i = 0; i < 128 && delayed() == 0; ++i)
+        EXPECT_EQ(get("/v1/map").status, 503);
+    EXPECT_GE(delayed(), 1);
+}
+
 TEST_F(NetDoor, an_address_that_sends_too_much_is_read_later_and_answered_all_the_same) {
     options.health_listen = "127.0.0.1:0";
     options.request_bytes_per_s_per_address = 64 * 1024; // twice that at once

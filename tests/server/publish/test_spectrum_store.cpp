@@ -228,6 +228,10 @@ TEST(SpectrumStore, given_waves_that_are_together_higher_than_a_chunk_can_say_ar
         EXPECT_EQ(grant.has_value(), amplitude_m / 5 < protocol::limits::spectrum_left_m_max);
         if (!grant) {
             EXPECT_TRUE(grant.error().is(Refusal::not_offered));
+            EXPECT_EQ(store.points_to_make(std::span(&sea, 1), {}), 0u) << "not tried again";
+            const Result<GrantedSpectrum> again = store.grant(sea, {});
+            ASSERT_FALSE(again);
+            EXPECT_EQ(again.error().message, grant.error().message);
         }
     }
 }
