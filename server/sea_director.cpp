@@ -225,12 +225,14 @@ TimeUs SeaDirector::first_start(const RunningSea& to) const {
 
 SeaDirector::Start SeaDirector::start_of(const SeaWish& wish, const RunningSea& to,
                                          TimeUs making_us) const {
-    TimeUs start_us =
+    const TimeUs ready_us =
         first_start(to) + clock_.hurried(std::max(spare_us, 3 * making_us)) + spread();
-    const bool soonest = wish.at_us < start_us;
+    // Not moved to where keyframes meet: of two for one time the later would begin first where they meet elsewhere.
+    if (wish.at_us >= ready_us && wish.at_us != passed_wish_us_)
+        return {wish.at_us, false};
     // One that is made sooner than that before it would begin before it, and that one would be lost.
-    start_us = soonest ? std::max(start_us, soonest_us_) : wish.at_us;
-    return {next_meeting(start_us, intervals_of(*course_->at(start_us - 1), to)), soonest};
+    const TimeUs start_us = std::max(ready_us, soonest_us_);
+    return {next_meeting(start_us, intervals_of(*course_->at(start_us - 1), to)), true};
 }
 
 Result<SeaDirector::Planned> SeaDirector::plan(const SeaWish& wish) const {
@@ -436,8 +438,10 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
                  sea::seconds_from_us(promise.end_us - promise.start_us),
                  planned->to->summary.realised.significant_height_m);
     look_at_room();
-    if (planned->soonest)
+    if (planned->soonest) {
         soonest_us_ = promise.start_us;
+        passed_wish_us_ = std::max(passed_wish_us_, wish.at_us);
+    }
     if (clock_.now_us() > promise.start_us)
         was_late();
     return promise;

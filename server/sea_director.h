@@ -112,7 +112,8 @@ class SeaDirector {
         sea::TimeUs start_us;
         bool soonest; ///< as soon as can be: no time is wished, or an earlier one
     };
-    /// As soon as can be, in the order in which changes were asked for, or when it is wished.
+    /// When it is wished, exactly, so that changes for one time begin with one another; or as soon as can be, in the order in
+    /// which changes were asked for, and where keyframes of both seas lie.
     Start start_of(const SeaWish& wish, const RunningSea& to, sea::TimeUs making_us) const;
     /// It takes over from those that were to begin later, or with it.
     void is_promised(sea::TimeUs start_us);
@@ -137,6 +138,8 @@ class SeaDirector {
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
     sea::TimeUs soonest_us_ =
         -sea::time_us_max; ///< start of the last change that was to begin as soon as can be
+    /// The latest time that was wished for one of those: another one for it begins behind that, too.
+    sea::TimeUs passed_wish_us_ = -sea::time_us_max;
     World& world_;
     SeaClock& clock_;
 

@@ -114,7 +114,7 @@ TEST_F(Director, changes_begin_in_the_order_in_which_they_were_asked_for) {
     EXPECT_GE(second->start_us, first->start_us);
     SeaWish later = wish();
     later.at_us = second->start_us + 100'000'001; // no keyframe lies there
-    EXPECT_GT(asked(later)->start_us, later.at_us);
+    EXPECT_EQ(asked(later)->start_us, later.at_us);
     const Result<SeaPromise> at_once = asked(wish());
     ASSERT_TRUE(at_once) << at_once.error().message;
     EXPECT_LT(at_once->start_us, later.at_us) << "who names no time waits for none that was named";
@@ -132,6 +132,41 @@ TEST_F(Director, a_change_whose_time_was_too_early_begins_in_that_order_too) {
     EXPECT_GE(second->start_us, first->start_us);
 }
 
+// Naive: each is moved on to where keyframes of its own two seas meet: the second, for which they do not, begins before the first,
+// takes over from it, and was made of a sea in which it is not in force.
+TEST_F(Director, changes_for_one_time_begin_exactly_then_and_are_all_in_force) {
+    const TomlAssignment values[] = {{"systems.0.from_deg", "60"},
+                                     {"systems.0.wind_speed_10m_mps", "18.0"},
+                                     {"sea.depth_m", "30"}};
+    const TimeUs at_us = clock.now_us() + 100'000'001; // no keyframe lies there
+    sea::Scene all = small_scene();
+    for (const TomlAssignment& value : values) {
+        SeaWish set;
+        set.set = {value};
+        set.over_us = 30'000'000;
+        set.at_us = at_us;
+        const Result<SeaPromise> made = asked(set);
+        ASSERT_TRUE(made) << made.error().message;
+        EXPECT_EQ(made->start_us, at_us);
+        all = sea::changed(all, {&value, 1}).value();
+    }
+    EXPECT_EQ(sea::to_toml(course->scene_at(at_us)), sea::to_toml(all));
+}
+
+// Naive: what is to be made for it takes less time than for the one before, so that the time can be kept, and that one is lost.
+TEST_F(Director, a_change_for_a_time_that_was_too_early_for_the_one_before_begins_behind_that_one) {
+    journal.spread = 20'000'000;
+    SeaWish early = wish();
+    early.at_us = clock.now_us() + 15'000'000;
+    const Result<SeaPromise> first = asked(early);
+    ASSERT_TRUE(first) << first.error().message;
+    ASSERT_GT(first->start_us, early.at_us);
+    journal.spread = 0; // so that a change may begin after two seconds
+    const Result<SeaPromise> second = asked(early);
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_GE(second->start_us, first->start_us);
+}
+
 // Naive: those that were taken over from, and never begin, keep their places until their times have passed.
 TEST_F(Director, changes_that_another_takes_over_from_are_promised_no_more) {
     journal.spread = 0; // so that a change may begin after two seconds
@@ -145,7 +180,7 @@ TEST_F(Director, changes_that_another_takes_over_from_are_promised_no_more) {
         std::size_t promised = 0;
         for (TimeUs last_us = later_us;; ++promised) {
             ASSERT_LT(last_us, clock.now_us() + World::announced_ahead_us) << "all are told";
-            const Result<SeaPromise> made = asked_at(last_us + 1);
+            const Result<SeaPromise> made = asked_at(last_us + 400'000);
             if (!made)
                 break;
             ASSERT_GT(made->start_us, last_us);
