@@ -136,7 +136,7 @@ TEST_F(Director, a_change_whose_time_was_too_early_begins_in_that_order_too) {
 // takes over from it, and was made of a sea in which it is not in force.
 TEST_F(Director, changes_for_one_time_begin_exactly_then_and_are_all_in_force) {
     const TomlAssignment values[] = {{"systems.0.from_deg", "60"},
-                                     {"systems.0.wind_speed_10m_mps", "18.0"},
+                                     {"systems.0.wind_speed_10m_mps", "14.0"},
                                      {"sea.depth_m", "30"}};
     const TimeUs at_us = clock.now_us() + 100'000'001; // no keyframe lies there
     sea::Scene all = small_scene();
