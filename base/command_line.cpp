@@ -2,6 +2,7 @@
 #include "base/command_line.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 #include <CLI/CLI.hpp>
@@ -154,7 +155,8 @@ Result<std::vector<std::string>> words_of(const FileOption& option, const CLI::O
 } // namespace
 
 /// What the file says comes first, so that a "--" among the words does not end it.
-Result<void> CommandLine::add_words_of_file(std::vector<std::string>& words) const {
+Result<void> CommandLine::add_words_of_file(std::vector<std::string>& words) {
+    places_.clear();
     const auto named = std::ranges::find_if(
         words, [this](const std::string& word) { return gives(word, file_of_options_); });
     if (file_of_options_.empty() || named == words.end())
@@ -181,11 +183,29 @@ Result<void> CommandLine::add_words_of_file(std::vector<std::string>& words) con
                                    return (two.first == name && is_given(two.second)) ||
                                           (two.second == name && is_given(two.first));
                                });
-        if (!gives_way)
-            added.insert(added.end(), more->begin(), more->end());
+        if (gives_way)
+            continue;
+        added.insert(added.end(), more->begin(), more->end());
+        places_.emplace(name, fmt::format("{}:{}: ", path, option.line));
     }
     words.insert(words.begin(), added.begin(), added.end());
     return {};
+}
+
+std::string CommandLine::place_in_file(const std::string& name) const {
+    const auto found = places_.find(name);
+    return found == places_.end() ? std::string() : found->second;
+}
+
+/// It names the option before any value, mostly as its first word.
+std::string CommandLine::with_place(const std::string& why) const {
+    const std::size_t begin = std::min(why.find("--"), why.size());
+    const std::string name = why.substr(begin, why.find_first_of(": ", begin) - begin);
+    const std::string place = place_in_file(name);
+    if (place.empty())
+        return why;
+    const std::size_t said = why.starts_with(name + ": ") ? name.size() + 2 : 0;
+    return fmt::format("{}{}: {}", place, name.substr(2), why.substr(said));
 }
 
 CommandLine& CommandLine::command(const std::string& name, const std::string& about) {
@@ -245,7 +265,7 @@ Result<CommandLine::Next> CommandLine::read(std::vector<std::string> words) {
         if (!commands_.empty() && app_->get_subcommands().empty())
             line = without_command(line);
         std::replace(line.begin(), line.end(), '\n', ' ');
-        return Error{line};
+        return Error{with_place(line)};
     }
     return Next::go_on;
 }

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -67,7 +68,8 @@ class CommandLine {
     CommandOption option(const std::string& names, T& value, const std::string& help = "");
 
     /// `name` FILE: options from a file (base/options_file.h), where the line does not say otherwise. What no
-    /// option has the name of, a value of another kind and a file that is none are errors that name file and line.
+    /// option has the name of, a value of another kind or that the option refuses and a file that is none are errors that
+    /// name file and line.
     void file_of_options(const std::string& name, const std::string& help);
     /// Two options say one thing: a file's value of either gives way to what the line says of the other, too.
     void say_the_same(const std::string& name, const std::string& other) {
@@ -75,6 +77,8 @@ class CommandLine {
     }
     /// Which one was given; empty: none.
     const std::string& given_file_of_options() const { return file_; }
+    /// "FILE:LINE: " of an option ("--drain") that the file gives and the line does not; else empty.
+    std::string place_in_file(const std::string& name) const;
 
     /// A word such as "effects" with options of its own, of which one must then be given.
     CommandLine& command(const std::string& name, const std::string& about);
@@ -88,7 +92,9 @@ class CommandLine {
   private:
     explicit CommandLine(CLI::App* command);
 
-    Result<void> add_words_of_file(std::vector<std::string>& words) const;
+    Result<void> add_words_of_file(std::vector<std::string>& words);
+    /// What the parser says, with file and line where it is of an option that the file gives.
+    std::string with_place(const std::string& why) const;
 
     /// What is wrong with a line that has none of its commands; or `why`.
     std::string without_command(const std::string& why) const;
@@ -101,6 +107,7 @@ class CommandLine {
     std::string file_of_options_; ///< the option that names it; empty: there is none
     std::vector<std::pair<std::string, std::string>> same_;
     std::string file_;
+    std::map<std::string, std::string> places_; ///< of place_in_file(), by name
 };
 
 } // namespace seaway

@@ -195,9 +195,12 @@ std::variant<Options, int> read_options(int argc, char** argv) {
             !next         ? next.error().message
             : lacks_scene ? "SCENE.toml is required"
             : two_journals
-                ? "--data-dir and --journal both say where the journal is: give one"
-                : fmt::format("--request-bytes-per-address {:g}: 0 for no limit, or {:g} and more",
-                              rate, request_bytes_per_s_min);
+                ? line.place_in_file("--data-dir") +
+                      "--data-dir and --journal both say where the journal is: give one"
+                : fmt::format(
+                      "{}--request-bytes-per-address {:g}: 0 for no limit, or {:g} and more",
+                      line.place_in_file("--request-bytes-per-address"), rate,
+                      request_bytes_per_s_min);
         return complain("seaway-server", exit_usage, why + " (--help shows how)");
     }
     if (!data_dir.empty())

@@ -2,9 +2,14 @@
 #include "base/command_line.h"
 
 #include <cstdint>
+#include <initializer_list>
 #include <regex>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/folder.h"
 
 namespace seaway {
 namespace {
@@ -28,6 +33,7 @@ Result<CommandLine::Next> read(Values& values, const std::vector<std::string>& w
     line.option("--quick", values.quick).excludes(time);
     line.option("--sizes", values.sizes).separated_by(',').one_of({64, 128, 256});
     line.option("--form", values.form).one_of({"text", "json"});
+    line.file_of_options("--config", "Options");
     return line.read(words);
 }
 
@@ -71,6 +77,44 @@ TEST(CommandLine, what_is_wrong_is_one_line_that_names_the_option) {
         ASSERT_FALSE(next) << named;
         EXPECT_NE(next.error().message.find(named), std::string::npos) << next.error().message;
         EXPECT_EQ(next.error().message.find('\n'), std::string::npos) << next.error().message;
+    }
+}
+
+// Naive: the parser has the words alone, and whoever is told looks for them where he has not written them.
+TEST(CommandLine, a_value_of_a_file_that_is_refused_is_named_with_file_and_line) {
+    const struct {
+        std::string text, name, why;
+    } cases[] = {{"frames = 11", "frames", "11"},
+                 {"frames = 2.5", "frames", "2.5"},
+                 {"frames = \"many\"", "frames", "many"},
+                 {"time = 2e9", "time", "'2000000000' is not a number -1e+09 .. 1e+09"},
+                 {"time = \"x\"", "time", "'x' is not a number -1e+09 .. 1e+09"},
+                 {"seed = \"x\"\ntime = 1", "seed", "x"},
+                 {"seed = 1", "seed", "requires --time"},
+                 {"sizes = [128,\n65]", "sizes", "65"},
+                 {"form = \"csv\"", "form", "csv"}};
+    for (const auto& [text, name, why] : cases) {
+        const std::string file = tests::folder().write("refused.toml", "# of\n" + text + "\n");
+        Values values;
+        const auto next = read(values, {"a", "--config", file});
+        ASSERT_FALSE(next) << text;
+        const std::string& said = next.error().message;
+        EXPECT_TRUE(said.starts_with(file + ":2: " + name + ": ")) << said;
+        EXPECT_NE(said.find(why, file.size()), std::string::npos) << said;
+        EXPECT_EQ(said.find("--" + name + ": "), std::string::npos) << "its name once: " << said;
+    }
+}
+
+TEST(CommandLine, a_value_of_the_line_that_is_refused_is_not_of_the_file) {
+    const std::string file = tests::folder().write("fine.toml", "frames = 3\nform = \"json\"\n");
+    for (const std::vector<std::string>& words : std::initializer_list<std::vector<std::string>>{
+             {"a", "--config", file, "--frames", "11"},
+             {"a", "--config", file, "--time", "2e9"},
+             {"a", "--config", file, "--time", "--form x"}}) {
+        Values values;
+        const auto next = read(values, words);
+        ASSERT_FALSE(next);
+        EXPECT_EQ(next.error().message.find(file), std::string::npos) << next.error().message;
     }
 }
 

@@ -119,6 +119,20 @@ TEST(ServerOptions, a_journal_of_the_command_line_wins_over_that_of_a_file_whate
     EXPECT_NE(said.find("both say where the journal is"), std::string::npos) << said;
 }
 
+TEST(ServerOptions, what_a_file_asks_for_and_cannot_be_had_is_named_with_file_and_line) {
+    for (const auto& [text, says] :
+         {std::pair("# none\nrequest-bytes-per-address = 5\n",
+                    ":2: --request-bytes-per-address 5: "),
+          std::pair("data-dir = \"a\"\njournal = \"b\"\n", ":1: --data-dir and --journal both"),
+          std::pair("# late\ndrain = \"x\"\n", ":2: drain: 'x' is not a number")}) {
+        const std::string file = tests::folder().write("cannot.toml", text);
+        std::string said;
+        const auto read = options_of({"a.toml", "--config", file}, &said);
+        EXPECT_FALSE(std::holds_alternative<Options>(read)) << text;
+        EXPECT_NE(said.find(file + says), std::string::npos) << said;
+    }
+}
+
 // The numbers of docs/security.md, and of docs/operations.md where they have a flag.
 TEST(ServerOptions, limits_are_by_default_what_the_page_on_security_says) {
     const auto plain = options_of({"a.toml"});
