@@ -50,6 +50,10 @@ static int float_for(seaway_client* sea, double seconds) {
     for (long step = 0; step < (long)(seconds * STEPS_A_SECOND); ++step) {
         nanosleep(&pause, NULL);
         const int64_t next_us = seaway_now_us(sea);
+        if (next_us < now_us) { /* it has become another sea, of an earlier time: no step leads there */
+            now_us = next_us;
+            continue;
+        }
         /* A pause of the program is not made up for in one step. */
         const double step_s = fmin((double)(next_us - now_us) * 1e-6, 0.1);
         const seaway_body then = body; /* at the time of the water */

@@ -26,6 +26,38 @@ os.environ["SEAWAY_LIBRARY"] = str(BUILD / "lib/libseaway.so.0")
 from served import Served  # noqa: E402
 
 
+# A library whose still sea becomes another one after a third of a second, 95 s back, and has water at every time throughout.
+BECOMES_ANOTHER = """
+#include <seaway/seaway.h>
+static int the_client;
+static int64_t calls;
+const char* seaway_last_error(void) { return ""; }
+seaway_code seaway_connect(const char* url, const seaway_connect_options* options, seaway_client** client) {
+    (void)url, (void)options;
+    *client = (seaway_client*)(void*)&the_client;
+    return SEAWAY_OK;
+}
+void seaway_disconnect(seaway_client* client) { (void)client; }
+seaway_code seaway_subscribe(seaway_client* client, const seaway_subscription* subscription) {
+    (void)client, (void)subscription;
+    return SEAWAY_OK;
+}
+int64_t seaway_now_us(seaway_client* client) {
+    (void)client;
+    calls += 1;
+    return (calls < 20 ? 100000000 : 5000000) + calls * 16667;
+}
+seaway_code seaway_sample(const seaway_client* client, const seaway_point* points, size_t count, seaway_answer* answers) {
+    (void)client, (void)points;
+    for (size_t i = 0; i < count; ++i) {
+        const seaway_answer still = {.normal = {0, 0, 1}};
+        answers[i] = still;
+    }
+    return SEAWAY_OK;
+}
+"""
+
+
 class Examples(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -65,6 +97,15 @@ class Examples(unittest.TestCase):
             # It starts at 0 wherever the water is; after a few seconds it is within its own height of it.
             return numpy.abs(rows["buoy_m"] - rows["water_m"])[5:].max() >= 1.2 or not (rows["error_m"] < 0.1).all()
         self.once_of_three(off)
+
+    def test_a_buoy_goes_on_where_the_sea_has_become_another_of_an_earlier_time(self):
+        (self.work / "another.c").write_text(BECOMES_ANOTHER)
+        self.run_example("cc", "-std=c11", "-O1", f"-I{BUILD}/include", ROOT / "examples/buoy.c", "another.c", "-lm", "-o",
+                         "another_sea")
+        rows = self.table(self.run_example(self.work / "another_sea", "ws://nowhere:1", "1.2"))
+        self.assertEqual(len(rows), 2)
+        self.assertGreater(rows["time_s"][0], 100)
+        self.assertLess(rows["time_s"][1], 10)
 
     def test_a_freighter_rides_the_gale_for_ten_minutes_without_tunnelling_or_jitter(self):
         self.run_example(BUILD / "bin/example_ship", self.url, "ship.csv", "ship.svg")
