@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // seaway-view: the sea of a running server, or of a scene, in a window or as pictures in files.
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -145,8 +146,10 @@ int draw(SeaSource& source, gpu::Device& device, Renderer& renderer, const ViewO
     const sea::TimeUs start_us =
         options.time_s ? sea::us_from_seconds(*options.time_s) : source.now_us();
     Drawing drawing(device, renderer, options);
-    if (is_film(options.out)) // its part is removed
+    if (is_film(options.out)) { // its part is removed, also where nobody reads on what we say
         note_stop_signals();
+        std::signal(SIGPIPE, SIG_IGN);
+    }
     for (int i = 0; i < options.frames; ++i) {
         if (stop_wanted())
             return fail(exit_output,

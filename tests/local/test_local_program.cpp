@@ -128,22 +128,38 @@ TEST(LocalProgram, a_piece_of_a_film_with_foam_is_off_by_what_is_left_of_the_pas
     EXPECT_LT(apart, of_whole.size() / 50);
 }
 
-// A stand-in for ffmpeg puts what it is given where it is told to; the film would take an hour.
-TEST(LocalProgram, a_film_that_is_ended_by_a_signal_leaves_the_one_that_was_there) {
+/// What a shell says before a program that is to find a stand-in for ffmpeg, which puts what it is given where it is told to.
+std::string with_coder() {
     const std::string coder = folder().write("ffmpeg", "#!/bin/sh\nfor to; do :; done\n"
                                                        "exec cat > \"${to#file:}\"\n");
     std::filesystem::permissions(coder, std::filesystem::perms::owner_all);
+    return "PATH=" + std::filesystem::path(coder).parent_path().string() + ":$PATH";
+}
+
+// The film would take an hour.
+TEST(LocalProgram, a_film_that_is_ended_by_a_signal_leaves_the_one_that_was_there) {
     const std::string film = folder().write("storm.mp4", "old");
     const std::string command = "--scene " + small_gale() +
                                 " --offscreen 64x48 --frames 100000 --out " + film +
                                 " >/dev/null & pid=$!; while kill -0 $pid && [ ! -s " + film +
                                 ".part ]; do sleep 0.02; done; kill -TERM $pid; wait $pid";
-    const char* old_path = std::getenv("PATH");
-    const std::string path = old_path == nullptr ? "" : old_path;
-    ::setenv("PATH", (std::filesystem::path(coder).parent_path().string() + ":" + path).c_str(), 1);
-    const Output ended = view(command);
-    ::setenv("PATH", path.c_str(), 1);
+    const Output ended = run_program("seaway-view", command, "", with_coder());
     EXPECT_EQ(ended.status, 128 + SIGTERM) << ended.said();
+    EXPECT_EQ(read_file(film), "old");
+    EXPECT_FALSE(std::filesystem::exists(film + ".part"));
+}
+
+TEST(LocalProgram, a_film_whose_lines_nobody_reads_on_cannot_be_written_and_leaves_what_was_there) {
+    const std::string film = folder().write("unread.mp4", "old");
+    const std::string status = folder().file("unread.status");
+    const Output ended =
+        run_program("seaway-view",
+                    "--scene " + small_gale() + " --offscreen 64x48 --frames 100000 --out " + film +
+                        "; echo $? >" + status + "; } | head -n 1",
+                    "", "{ " + with_coder());
+    EXPECT_EQ(read_file(status), "1\n") << ended.said();
+    EXPECT_THAT(ended.out, HasSubstr("unread.mp4 t=0.000"));
+    EXPECT_THAT(ended.err, HasSubstr("cannot write to standard output"));
     EXPECT_EQ(read_file(film), "old");
     EXPECT_FALSE(std::filesystem::exists(film + ".part"));
 }
