@@ -143,6 +143,14 @@ Result<void> check_files(const Words& words, const ViewOptions& options) {
                             debug_text(options.debug))));
     SEAWAY_TRY(require(options.bench_frames == 0 || options.out.empty(),
                        "--out and --bench: what is measured is not written; one of them"));
+    const std::pair<bool, const char*> of_films[] = {{options.frames != 1, "--frames"},
+                                                     {!options.path.empty(), "--path"},
+                                                     {options.turntable, "--turntable"}};
+    for (const auto& [given, name] : of_films)
+        SEAWAY_TRY(require(options.bench_frames == 0 || !given,
+                           fmt::format("{} and --bench: as many frames as that says are measured, "
+                                       "from one place; one of them",
+                                       name)));
     SEAWAY_TRY(require(
         options.bench_frames > 0 || ending != ".exr" || words.look.exposure.empty(),
         fmt::format("--exposure and --out {}: an .exr holds the radiance itself, without exposure",
