@@ -15,6 +15,16 @@ std::string counted(const nlohmann::json& journal) {
     return of > 0 ? fmt::format("{}/{}", journal.at("counted").get<int>(), of) : "-";
 }
 
+/// Of all sessions. A server of an earlier version says it of those alone that it lists.
+std::uint64_t bytes_waiting(const nlohmann::json& sessions) {
+    if (sessions.contains("bytes_waiting"))
+        return sessions.at("bytes_waiting").get<std::uint64_t>();
+    std::uint64_t bytes = 0;
+    for (const nlohmann::json& one : sessions.at("listed"))
+        bytes += one.at("bytes_waiting").get<std::uint64_t>();
+    return bytes;
+}
+
 // By at(), which throws for what is not there.
 std::string row_of(const std::string& url, const std::string& version, const nlohmann::json& state,
                    double cores, const nlohmann::json& sessions) {
@@ -23,20 +33,17 @@ std::string row_of(const std::string& url, const std::string& version, const nlo
         {"peers", 0},       {"clock_ahead_ms", 0.0}, {"clock_error_ms", 0.0},
         {"unheard_s", 0.0}, {"stale", false},        {"why", ""}};
     const nlohmann::json journal = state.value("journal", none);
-    std::uint64_t bytes_waiting = 0;
-    for (const nlohmann::json& one : sessions.at("listed"))
-        bytes_waiting += one.at("bytes_waiting").get<std::uint64_t>();
-    return fmt::format("{:<30} {:<22} {:<6} {:>7} {:>6} {:>9.3f} {:>9.3f} {:>6.2f} {:>5} {:>8} "
-                       "{:>6.2f} {:>9} {:>11} {}\n",
-                       url, version, journal.at("stale").get<bool>() ? "stale" : "ready",
-                       journal.at("changes").get<int>(),
-                       journal.at("changes").get<int>() - journal.at("played").get<int>(),
-                       journal.at("clock_ahead_ms").get<double>(),
-                       journal.at("clock_error_ms").get<double>(),
-                       journal.at("unheard_s").get<double>(), journal.at("peers").get<int>(),
-                       // This program is one of them.
-                       sessions.at("sessions").get<int>() - 1, cores, bytes_waiting / 1024,
-                       counted(journal), journal.at("why").get<std::string>());
+    return fmt::format(
+        "{:<30} {:<22} {:<6} {:>7} {:>6} {:>9.3f} {:>9.3f} {:>6.2f} {:>5} {:>8} "
+        "{:>6.2f} {:>9} {:>11} {}\n",
+        url, version, journal.at("stale").get<bool>() ? "stale" : "ready",
+        journal.at("changes").get<int>(),
+        journal.at("changes").get<int>() - journal.at("played").get<int>(),
+        journal.at("clock_ahead_ms").get<double>(), journal.at("clock_error_ms").get<double>(),
+        journal.at("unheard_s").get<double>(), journal.at("peers").get<int>(),
+        // This program is one of them.
+        sessions.at("sessions").get<int>() - 1, cores, bytes_waiting(sessions) / 1024,
+        counted(journal), journal.at("why").get<std::string>());
 }
 
 } // namespace

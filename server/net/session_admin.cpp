@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What administrators may ask of a session: changes of the sea, and what there is.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -165,14 +169,22 @@ void Session::told(std::uint32_t request_id, const Result<std::string>& text) {
 }
 
 std::string Session::sessions_json() const {
+    using Waiting = std::pair<std::size_t, const Session*>;
+    std::vector<Waiting> waiting; // by number, as those of equal bytes stay
+    std::size_t bytes_waiting = 0;
+    for (const auto& [id, session] : core_.sessions) {
+        waiting.emplace_back(session->outbox_.bytes_waiting(), session);
+        bytes_waiting += waiting.back().first;
+    }
+    std::stable_sort(waiting.begin(), waiting.end(),
+                     [](const Waiting& a, const Waiting& b) { return a.first > b.first; });
+    waiting.resize(std::min(waiting.size(), sessions_listed_max));
     ordered_json listed = ordered_json::array();
     const auto now = std::chrono::steady_clock::now();
-    for (const auto& [id, session] : core_.sessions) {
-        if (listed.size() == sessions_listed_max)
-            break;
-        const std::optional<Demand> grant = core_.host.subscriptions().find(id);
+    for (const auto& [bytes, session] : waiting) {
+        const std::optional<Demand> grant = core_.host.subscriptions().find(session->id_);
         listed.push_back(
-            {{"session", id},
+            {{"session", session->id_},
              {"peer", session->peer_.name},
              {"client", session->client_},
              {"administrator", session->standing_ == Standing::administrator},
@@ -181,9 +193,10 @@ std::string Session::sessions_json() const {
              {"subscribed", grant.has_value()},
              {"messages_sent", session->messages_sent_},
              {"bytes_sent", session->bytes_sent_},
-             {"bytes_waiting", session->outbox_.bytes_waiting()}});
+             {"bytes_waiting", bytes}});
     }
-    const ordered_json json{{"sessions", core_.sessions.size()}, {"listed", listed}};
+    const ordered_json json{
+        {"sessions", core_.sessions.size()}, {"bytes_waiting", bytes_waiting}, {"listed", listed}};
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

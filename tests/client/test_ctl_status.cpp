@@ -30,6 +30,17 @@ TEST(CtlStatus, a_server_that_says_all_has_its_row) {
         EXPECT_NE(row.text.find(word), std::string::npos) << word << " in " << row.text;
 }
 
+// Naive: what those wait for who are listed, of a thousand sessions the 256 that may all be quick.
+TEST(CtlStatus, what_waits_is_of_all_sessions_and_of_those_listed_where_a_server_says_no_more) {
+    const auto row = [](const std::string& its_sessions) {
+        return status_row("ws://a", "seaway 0.1.0", before, state, 2.0, its_sessions).text;
+    };
+    const std::string all =
+        row(R"({"sessions": 1001, "bytes_waiting": 2097152, "listed": [{"bytes_waiting": 4096}]})");
+    EXPECT_NE(all.find("     1000   0.25      2048    69/10000 "), std::string::npos) << all;
+    EXPECT_NE(row(sessions).find("   0.25         4    69/10000 "), std::string::npos);
+}
+
 // In an update of one server after the other.
 TEST(CtlStatus, a_server_of_another_version_has_a_row_that_says_so) {
     const auto expect_other = [](const std::string& its_state, const std::string& its_sessions) {
@@ -44,7 +55,8 @@ TEST(CtlStatus, a_server_of_another_version_has_a_row_that_says_so) {
         expect_other(without(state, key), sessions);
     for (const char* key : {"sessions", "listed", "bytes_waiting"})
         expect_other(state, without(sessions, key));
-    for (const char* other : {"", "{}", "[]", "null", "7", "{\"listed\": 7, \"sessions\": \"\"}"})
+    for (const char* other : {"", "{}", "[]", "null", "7", "{\"listed\": 7, \"sessions\": \"\"}",
+                              "{\"listed\": [], \"sessions\": 3, \"bytes_waiting\": \"much\"}"})
         expect_other(state, other);
     for (const char* other : {"[]", "7", "{\"journal\": 7}", "{\"journal\": {\"stale\": 2}}"})
         expect_other(other, sessions);

@@ -2,6 +2,8 @@
 // Many sessions at once, and sessions that go in the middle of what they asked for.
 #include <future>
 
+#include <nlohmann/json.hpp>
+
 #include "protocol/limits.h"
 #include "tests/server/net/net_fixture.h"
 
@@ -47,6 +49,51 @@ TEST_F(NetCrowd, two_hundred_subscribers_of_mixed_qualities_start_at_once_and_ea
     clients.clear();
     EXPECT_TRUE(eventually([&] { return metric("seaway_net_subscriptions") == 0; }));
     EXPECT_TRUE(eventually([&] { return metric("seaway_net_sessions") == 0; }));
+}
+
+// Naive: the first 256 by number are listed, and whoever came later and does not read is seen nowhere.
+TEST_F(NetCrowd, of_more_sessions_than_are_listed_those_furthest_behind_come_first) {
+    constexpr std::size_t crowd = 258, listed_max = 256;
+    options.admin_token_file = folder().write("crowd_admin", "master\n");
+    options.idle_timeout = std::chrono::minutes(5); // they answer no ping
+    start();
+    const auto admin = greeted("master");
+    std::vector<std::unique_ptr<Client>> clients;
+    while (clients.size() + 1 < crowd)
+        clients.push_back(greeted());
+    // Of each the first keyframe takes its only credit; what comes after it waits, of the last one also of a second cascade.
+    for (const std::uint32_t cascades : {1u, 3u}) {
+        Client& client = *clients[cascades == 3 ? crowd - 2 : crowd - 3];
+        const protocol::TileWish wish{.cascades = cascades, .fields = {sea::Field::height}};
+        ASSERT_FALSE(client.send(protocol::subscribe(1, wish, 1)));
+        ASSERT_TRUE(client.receive(Body::FetchDone));
+    }
+    net->publish(host.keyframe(0, 5, {sea::Field::height}));
+    ASSERT_TRUE(clients[crowd - 3]->receive(Body::Tile));
+    ASSERT_TRUE(clients[crowd - 2]->receive(Body::Tile));
+    net->publish(host.keyframe(0, 6, {sea::Field::height}));
+    net->publish(host.keyframe(1, 6, {sea::Field::height}));
+    ASSERT_TRUE(
+        eventually([&] { return metric("seaway_net_keyframes_awaiting_credit_total") == 3; }));
+    ASSERT_FALSE(admin->send(protocol::administer(1, wire::Act::sessions, 0)));
+    const wire::Message* told = admin->receive(Body::Administered);
+    ASSERT_TRUE(told);
+    const auto json =
+        nlohmann::json::parse(told->body_as_Administered()->text()->string_view(), nullptr, false);
+    EXPECT_EQ(json.at("sessions").get<std::size_t>(), crowd);
+    const nlohmann::json& listed = json.at("listed");
+    ASSERT_EQ(listed.size(), listed_max);
+    const auto number = [&](std::size_t i) { return listed[i].at("session").get<std::size_t>(); };
+    const auto bytes = [&](std::size_t i) {
+        return listed[i].at("bytes_waiting").get<std::size_t>();
+    };
+    EXPECT_EQ(number(0), crowd) << "the last who came";
+    EXPECT_EQ(number(1), crowd - 1);
+    EXPECT_GT(bytes(0), bytes(1));
+    EXPECT_GT(bytes(1), 0u);
+    for (std::size_t i = 2; i < listed_max; ++i)
+        EXPECT_EQ(number(i), i - 1) << "of equals by number";
+    EXPECT_EQ(json.at("bytes_waiting").get<std::size_t>(), bytes(0) + bytes(1));
 }
 
 TEST_F(NetCrowd, upgrades_under_way_count_as_sessions) {
