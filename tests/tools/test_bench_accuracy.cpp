@@ -14,6 +14,7 @@
 
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
+#include "tests/support/server_process.h"
 
 namespace seaway {
 namespace {
@@ -136,6 +137,42 @@ TEST(BenchAccuracy, unknown_knobs_and_states_are_refused_by_name) {
         EXPECT_EQ(ran.status, 2);
         EXPECT_EQ(ran.error_lines(), 1) << ran.err;
         EXPECT_THAT(ran.err, HasSubstr("there are"));
+    }
+}
+
+// Naive: the address is looked at by the first batch over a socket, many minutes later, and not at all where there is none.
+TEST(BenchAccuracy,
+     a_server_that_is_none_or_that_no_knob_asks_is_refused_before_anything_is_measured) {
+    const std::pair<const char*, const char*> rows[] = {
+        {"--knobs batch --server foo", "--server: address 'foo': write it as ws://HOST:PORT"},
+        {"--knobs codec,grid --server ws://127.0.0.1:1",
+         "--server ws://127.0.0.1:1: none of these"}};
+    for (const auto& [arguments, what] : rows) {
+        const Output ran = run("asked_nothing", arguments);
+        EXPECT_EQ(ran.status, 2) << arguments;
+        EXPECT_EQ(ran.error_lines(), 1) << ran.err;
+        EXPECT_THAT(ran.err, HasSubstr(what));
+        EXPECT_FALSE(std::filesystem::exists(csv("asked_nothing"))) << arguments;
+    }
+}
+
+// Naive: "were there already", whoever had answered.
+TEST(BenchAccuracy, figures_of_one_server_are_not_taken_for_those_of_another) {
+    const std::vector<std::string> words = {"tests/load/small_sea.toml", "--listen", "127.0.0.1:0",
+                                            "--device", "native"};
+    tests::ServerProcess one(words), other(words);
+    const std::string batches = "--quick --knobs batch";
+    const std::string of_one = batches + " --server " + one.wait_until_ready();
+    const std::string of_other = batches + " --server " + other.wait_until_ready();
+    const std::pair<std::string, const char*> runs[] = {
+        {batches, "20 trials measured, 0 were there already"},
+        {of_one, "4 trials measured, 20 were there already"},
+        {of_one, "0 trials measured, 24 were there already"},
+        {of_other, "4 trials measured, 20 were there already"}};
+    for (const auto& [arguments, said] : runs) {
+        const Output ran = run("servers", arguments);
+        EXPECT_EQ(ran.status, 0) << ran.err;
+        EXPECT_THAT(ran.out, HasSubstr(said)) << arguments;
     }
 }
 

@@ -50,7 +50,7 @@ seaway::CommandLine& add_accuracy(seaway::CommandLine& line,
         .shows_default();
     command
         .option("--server", options.server,
-                "ws://HOST:PORT of a running server, for batches over a socket")
+                "ws://HOST:PORT of a running server, for batches over a socket (knob batch)")
         .takes("URL");
     command.option("--points", options.points, "A time, in place of what the extent says")
         .between(4, 65'536);

@@ -10,6 +10,7 @@
 
 #include "base/elapsed.h"
 #include "base/instructions.h"
+#include "client/link/url.h"
 #include "server/device/device_choice.h"
 #include "tools/bench/accuracy/journal.h"
 #include "tools/bench/accuracy/knobs.h"
@@ -70,48 +71,29 @@ struct Job {
     bool fresh_seeds;
 };
 
-class Run {
-  public:
-    Run(const AccuracyOptions& options, Journal journal)
-        : options_(options), sampling_(sampling_of(options)), journal_(std::move(journal)),
-          costs_(options.quick ? 7 : 15) {}
+bool is_of_a_server(const Trial& trial) {
+    return trial.measurement == Measurement::batch && trial.batch.asked == Asked::socket;
+}
 
-    Result<void> all();
-
-  private:
-    Result<std::vector<Job>> jobs() const;
-    Result<void> one(const Job& job);
-    Result<std::vector<Figure>> measured(const Job& job, const sea::Scene& scene);
-    /// The seas of a trial: of the first seed, or of each.
-    Result<std::vector<DrawnSea>> drawn(const Job& job) const;
-
-    const AccuracyOptions& options_;
-    Sampling sampling_;
-    Journal journal_;
-    Devices devices_;
-    StageCosts costs_;
-    int added_ = 0;
-};
-
-Result<std::vector<Job>> Run::jobs() const {
+Result<std::vector<Job>> jobs_of(const AccuracyOptions& options) {
     std::vector<Job> all;
     for (const std::string_view state : sea_state_names()) {
-        if (!options_.states.empty() && !holds(options_.states, state))
+        if (!options.states.empty() && !holds(options.states, state))
             continue;
-        SEAWAY_TRY_LET(const sea::Scene scene, sea_state(state, options_.seed));
+        SEAWAY_TRY_LET(const sea::Scene scene, sea_state(state, options.seed));
         const bool swept =
-            options_.full || !options_.states.empty() ||
-            (options_.quick ? holds(swept_states_quick, state) : holds(swept_states, state));
+            options.full || !options.states.empty() ||
+            (options.quick ? holds(swept_states_quick, state) : holds(swept_states, state));
         for (const Knob& knob : knobs()) {
-            if (!options_.knobs.empty() && !holds(options_.knobs, knob.name))
+            if (!options.knobs.empty() && !holds(options.knobs, knob.name))
                 continue;
             if (!swept && !holds(everywhere, knob.name))
                 continue;
-            for (Trial& trial : knob.trials(scene, options_.device)) {
-                if (trial.batch.asked == Asked::socket && options_.server.empty())
+            for (Trial& trial : knob.trials(scene, options.device)) {
+                if (is_of_a_server(trial) && options.server.empty())
                     continue;
                 // Half a second of two cores each: a quick run has them where they tell most.
-                if (!options_.quick && trial.configuration.evaluator == Evaluator::maps)
+                if (!options.quick && trial.configuration.evaluator == Evaluator::maps)
                     trial.extent.octaves = trial.extent.flicker = true;
                 all.push_back({std::string(state), knob.name, std::move(trial), knob.fresh_seeds});
             }
@@ -119,6 +101,42 @@ Result<std::vector<Job>> Run::jobs() const {
     }
     return all;
 }
+
+/// Before anything is measured: the first batch over a socket may be minutes away.
+Result<void> check_server(const std::string& server, const std::vector<Job>& jobs) {
+    if (server.empty())
+        return {};
+    if (const Result<client::Url> url = client::parse_url(server); !url)
+        return Error{"--server: " + url.error().message};
+    if (std::none_of(jobs.begin(), jobs.end(),
+                     [](const Job& job) { return is_of_a_server(job.trial); }))
+        return Error{
+            fmt::format("--server {}: none of these knobs asks a server; batch does", server)};
+    return {};
+}
+
+class Run {
+  public:
+    Run(const AccuracyOptions& options, std::vector<Job> jobs, Journal journal)
+        : options_(options), jobs_(std::move(jobs)), sampling_(sampling_of(options)),
+          journal_(std::move(journal)), costs_(options.quick ? 7 : 15) {}
+
+    Result<void> all();
+
+  private:
+    Result<void> one(const Job& job);
+    Result<std::vector<Figure>> measured(const Job& job, const sea::Scene& scene);
+    /// The seas of a trial: of the first seed, or of each.
+    Result<std::vector<DrawnSea>> drawn(const Job& job) const;
+
+    const AccuracyOptions& options_;
+    std::vector<Job> jobs_;
+    Sampling sampling_;
+    Journal journal_;
+    Devices devices_;
+    StageCosts costs_;
+    int added_ = 0;
+};
 
 Result<std::vector<DrawnSea>> Run::drawn(const Job& job) const {
     std::vector<DrawnSea> seas;
@@ -163,7 +181,9 @@ Result<std::vector<Figure>> Run::measured(const Job& job, const sea::Scene& scen
 }
 
 Result<void> Run::one(const Job& job) {
-    SEAWAY_TRY_LET(const Place where, place_of(job.trial.configuration, devices_));
+    SEAWAY_TRY_LET(Place where, place_of(job.trial.configuration, devices_));
+    if (is_of_a_server(job.trial)) // another server's figures are not those of this one
+        where.device = "server at " + options_.server;
     const TrialName name{job.state, std::string(job.knob), job.trial.value, where.device};
     if (journal_.has(name))
         return {};
@@ -175,10 +195,9 @@ Result<void> Run::one(const Job& job) {
 }
 
 Result<void> Run::all() {
-    SEAWAY_TRY_LET(const std::vector<Job> all, jobs());
-    Progress progress(static_cast<int>(all.size()));
+    Progress progress(static_cast<int>(jobs_.size()));
     int without_device = 0;
-    for (const Job& job : all) {
+    for (const Job& job : jobs_) {
         progress.begin(fmt::format("{}, {} {}", job.state, job.knob, job.trial.value));
         const int before = added_;
         // A device that this machine does not have is left out, unless it is the one asked for.
@@ -198,7 +217,7 @@ Result<void> Run::all() {
     }
     progress.finish();
     fmt::print("{}/accuracy.csv: {} trials measured, {} were there already{}\n", options_.out,
-               added_, static_cast<int>(all.size()) - added_ - without_device,
+               added_, static_cast<int>(jobs_.size()) - added_ - without_device,
                without_device > 0
                    ? fmt::format(", {} left out for want of their device", without_device)
                    : "");
@@ -209,6 +228,8 @@ Result<void> Run::all() {
 
 Result<void> run_accuracy(const AccuracyOptions& options) {
     SEAWAY_TRY(check(options));
+    SEAWAY_TRY_LET(std::vector<Job> jobs, jobs_of(options));
+    SEAWAY_TRY(check_server(options.server, jobs));
     const Sampling sampling = sampling_of(options);
     std::error_code failed;
     std::filesystem::create_directories(options.out, failed);
@@ -220,7 +241,7 @@ Result<void> run_accuracy(const AccuracyOptions& options) {
                                 options.seed + static_cast<std::uint64_t>(options.seeds) - 1,
                                 options.quick ? ", which share the times" : "");
     SEAWAY_TRY_LET(Journal journal, Journal::open(options.out + "/accuracy.csv", settings));
-    return Run(options, std::move(journal)).all();
+    return Run(options, std::move(jobs), std::move(journal)).all();
 }
 
 } // namespace seaway::bench

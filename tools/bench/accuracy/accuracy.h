@@ -22,13 +22,14 @@ struct AccuracyOptions {
     std::uint64_t seed = 1;
     int seeds = 3; ///< named configurations are measured on seed, seed + 1, ...
     std::string
-        server;     ///< URL of a running one, for batches over a socket; empty: those are left out
+        server; ///< URL of a running one, for batches over a socket; empty: those are left out. Its figures are its own
     int points = 0; ///< a time; 0: as the extent says
     int times = 0;
 };
 
 /// Writes accuracy.csv into `out`, trial by trial, error_map.csv, and what truth it has summed; goes on where a run
-/// that was stopped left off. Prints one line.
+/// that was stopped left off. Prints one line. An error before anything is measured: options that cannot be, a server that no
+/// knob asks.
 Result<void> run_accuracy(const AccuracyOptions& options);
 
 } // namespace seaway::bench

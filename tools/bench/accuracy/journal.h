@@ -20,7 +20,7 @@ namespace seaway::bench {
 
 /// Where figures were taken.
 struct Place {
-    std::string device; ///< as it describes itself
+    std::string device; ///< as it describes itself; where a server is asked, its address
     std::string driver;
     std::string machine; ///< processor and cores
     std::string commit;
