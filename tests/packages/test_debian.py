@@ -159,18 +159,35 @@ class Packages(unittest.TestCase):
         self.inside("seaway-server", "/etc/seaway/sea.toml", "--config", "/etc/seaway/seaway-server.toml",
                     "--check", user="seaway")
         enter = ["chroot", "--userspec=seaway:seaway", self.root.folder, "seaway-server"]
-        options = ["/etc/seaway/sea.toml", "--device", "native", "--data-dir", "/var/lib/seaway"]
+        token = self.root.folder / "etc/seaway/admin.token"
+        token.write_text("master\n")
+        options = ["/etc/seaway/sea.toml", "--device", "native", "--data-dir", "/var/lib/seaway",
+                   "--admin-token-file", "/etc/seaway/admin.token"]
         program, commands = use_it_in_your_program()
         with Served(*enter, *options, env=self.root.environment()) as server:
             (self.root.folder / "tmp/height.c").write_text(program.replace(PORT, str(server.port)))
             out = [self.inside("sh", "-c", f"cd /tmp && {command}") for command in commands]
             self.examples_compile_as_they_say(server.port)
             asked = self.inside("seaway-query", f"ws://127.0.0.1:{server.port}", "--at", "12,-40")
+            self.a_variant_is_loaded_and_another_sea_is_not(server.port)
+        token.unlink()
         self.assertRegex(out[-1], r"^-?\d+\.\d\d m \n$")
         self.assertIn("12", asked)
         shutil.rmtree(self.root.folder / "tmp")
         (self.root.folder / "tmp").mkdir(mode=0o1777)
         self.assertTrue((self.root.folder / "var/lib/seaway/journal.sqlite").is_file())
+
+    def a_variant_is_loaded_and_another_sea_is_not(self, port):
+        """As docs/install.md says."""
+        sea = (self.root.folder / "etc/seaway/sea.toml").read_text()
+        variant = sea.replace("wind_speed_10m_mps = 19.0", "wind_speed_10m_mps = 17.0")
+        self.assertNotEqual(variant, sea)
+        (self.root.folder / "tmp/variant.toml").write_text(variant)
+        load = ("seaway-ctl", f"ws://127.0.0.1:{port}", "--token-file", "/etc/seaway/admin.token", "load")
+        self.inside(*load, "/tmp/variant.toml")
+        other = self.root.run(*load, "/usr/share/seaway/scenes/calm.toml")
+        self.assertEqual(other.returncode, 6, other.stdout + other.stderr)
+        self.assertIn("cannot change while the sea runs", other.stderr)
 
     def examples_compile_as_they_say(self, port):
         """By the command at the head of each; the buoy then floats for a second."""
