@@ -159,6 +159,9 @@ struct Comparison {
 
 /// Fewer say nothing.
 constexpr std::size_t frames_min = 20;
+bool says_something(const Comparison& found) {
+    return found.compared() >= frames_min && 5 * found.without_keyframes < found.frames;
+}
 constexpr int rounds_max = 3;
 
 /// Between frames that are further apart nothing is compared. A height that falls with half of g, as a crest does that is about to
@@ -241,11 +244,11 @@ int meet(const Options& options) {
         return 1;
     }
     std::optional<Comparison> found = measured(options, tests::port_of(url));
-    for (int round = 1; round < rounds_max && found && found->frames < frames_min; ++round)
+    for (int round = 1; round < rounds_max && found && !says_something(*found); ++round)
         found = measured(options, tests::port_of(url));
     if (!found)
         return 1;
-    if (found->compared() < frames_min || 5 * found->without_keyframes >= found->frames) {
+    if (!says_something(*found)) {
         fmt::print(stderr, "of {} frames {} without keyframes around them: that is no sea\n",
                    found->frames, found->without_keyframes);
         return 1;

@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/resource.h>
 
+#include "base/processors.h"
 #include "base/thread_pool.h"
 #include "protocol/messages.h"
 #include "tests/server/net/clients.h"
@@ -122,11 +124,38 @@ TEST_F(Scarcity, a_map_for_which_there_is_no_thread_is_refused_and_the_process_g
     serves_on();
 }
 
+/// This thread, and what it starts, has so many of its processors at most until the scope ends.
+class FewProcessors {
+  public:
+    explicit FewProcessors(int most) {
+        if (::sched_getaffinity(0, sizeof before_, &before_) != 0)
+            return; // a machine of more than 1024
+        known_ = true;
+        cpu_set_t few = before_;
+        for (int cpu = CPU_SETSIZE - 1; cpu >= 0 && CPU_COUNT(&few) > most; --cpu)
+            CPU_CLR(cpu, &few);
+        EXPECT_EQ(::sched_setaffinity(0, sizeof few, &few), 0);
+    }
+    ~FewProcessors() {
+        if (known_) {
+            EXPECT_EQ(::sched_setaffinity(0, sizeof before_, &before_), 0);
+        }
+    }
+    FewProcessors(const FewProcessors&) = delete;
+    FewProcessors& operator=(const FewProcessors&) = delete;
+
+  private:
+    cpu_set_t before_{};
+    bool known_ = false;
+};
+
 // Limits of processes do not hold for root, who becomes somebody else first; with nobody else's processes to count, each
 // limit is met by another of the threads that a start makes. Others have processes enough to be over a limit of one.
 TEST(Threads, a_start_that_gets_too_few_says_so_and_ends_with_exit_code_2) {
     const bool is_root = geteuid() == 0;
-    const int most = is_root ? 64 : 1; // a start makes a dozen, and as many as there are cores
+    // A start makes a dozen, and as many as there are processors: those of a large machine would be of one kind, and a start each.
+    const FewProcessors few(4);
+    const int most = is_root ? 64 + usable_processors() : 1;
     int refused = 0;
     bool served = false;
     for (int limit = 1; limit <= most && !served; ++limit) {

@@ -26,7 +26,7 @@ class NatsServer {
   public:
     /// `config`: lines of its configuration besides port and store.
     explicit NatsServer(const std::string& config = "", bool with_log = true)
-        : port_(free_port()), store_(folder().file(fmt::format("nats-{}", port_))),
+        : port_(free_port()), store_(folder().fresh(fmt::format("nats-{}", port_))),
           jetstream_(with_log ? fmt::format("jetstream {{ store_dir: \"{}\" }}\n", store_) : "") {
         start(config);
     }
