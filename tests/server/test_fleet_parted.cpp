@@ -25,6 +25,10 @@ std::unique_ptr<ServerProcess> server_at(const std::string& world_url) {
     return std::make_unique<ServerProcess>(words);
 }
 
+int times_handed_over(const ServerProcess& server) {
+    return tests::times_in(server.log(), "event=handing_over");
+}
+
 TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_nothing_and_follows) {
     NatsCluster cluster;
     std::array<std::unique_ptr<ServerProcess>, NatsCluster::size> servers;
@@ -45,6 +49,8 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
     ASSERT_TRUE(tests::eventually([&] { return ready(0) && ready(1) && ready(2); }));
     const std::size_t other = (leader + 1) % NatsCluster::size;
 
+    // A busy machine may have had it do so for a moment before.
+    const int before = times_handed_over(*servers[leader]);
     cluster.part(leader);
     ASSERT_TRUE(tests::eventually([&] { return !ready(leader); }));
     EXPECT_NE(get(at[leader], "/readyz").body.find("the journal has not been heard of for"),
@@ -52,8 +58,7 @@ TEST(FleetParted, the_server_at_a_leader_that_is_cut_off_is_not_ready_changes_no
         << get(at[leader], "/readyz").body;
     EXPECT_EQ(get(at[leader], "/healthz").status, 200) << "it serves on";
     // Who comes after that is not sent away again.
-    ASSERT_TRUE(tests::eventually(
-        [&] { return tests::times_in(servers[leader]->log(), "event=handing_over") == 1; }));
+    ASSERT_TRUE(tests::eventually([&] { return times_handed_over(*servers[leader]) > before; }));
     const std::vector<std::string> breeze{"set", "systems.0.wind_speed_10m_mps=15", "--over",
                                           "10s"};
     const Said refused = ctl(at[leader], breeze);
