@@ -276,16 +276,22 @@ TEST_F(Director, who_hears_of_a_pause_after_it_began_goes_back_to_where_it_began
 // A second is waited for, in doubt.
 TEST_F(Director,
        who_hears_of_a_slower_pace_a_little_late_is_in_doubt_until_the_sea_has_come_there) {
-    const TimeUs from_us = clock.moment().elapsed_us - 1'000'000;
-    const TimeUs before_us = clock.now_us();
-    journal.by_another({.epoch = 2, .scene = {}, .pace = sea::Pace{from_us, from_us, 500}});
-    std::string doubt; // as long as there is one
-    ASSERT_TRUE(tests::eventually([&] {
-        const auto now = following();
-        doubt = now.doubt();
-        return now.kind_of_doubt() == Doubt::ahead;
-    }));
-    EXPECT_NE(doubt.find("heard of a pace too late"), std::string::npos);
+    sea::Pace pace;
+    TimeUs before_us = 0;
+    Following now;
+    // It lasts a second, which a busy machine may sleep through, or hear of so late that the sea goes back: of a few times once is enough.
+    for (std::uint32_t n = 2; n < 7 && now.kind_of_doubt() != Doubt::ahead; ++n) {
+        const TimeUs from_us = clock.moment().elapsed_us - 1'000'000;
+        pace = {from_us, pace.sea_time(from_us), pace.permille / 2};
+        before_us = clock.now_us();
+        journal.by_another({.epoch = n, .scene = {}, .pace = pace});
+        ASSERT_TRUE(tests::eventually([&] {
+            now = following();
+            return now.played == n && now.kind_of_doubt() != Doubt::behind;
+        }));
+    }
+    ASSERT_EQ(now.kind_of_doubt(), Doubt::ahead);
+    EXPECT_NE(now.doubt().find("heard of a pace too late"), std::string::npos);
     EXPECT_GE(clock.now_us(), before_us);
     EXPECT_TRUE(tests::eventually([&] { return following().kind_of_doubt() == Doubt::none; }));
 }

@@ -152,7 +152,12 @@ TEST(NatsJournal, what_was_acknowledged_outlives_a_kill_of_nats) {
             << refused.error().message;
         EXPECT_EQ(journal->since(0)->size(), last) << "it holds what it held";
         ASSERT_TRUE(server.start());
-        ASSERT_TRUE(tests::eventually([&] { return journal->standing().trouble.empty(); }));
+        const std::int64_t back_us = local_now_us();
+        ASSERT_TRUE(tests::eventually([&] {
+            const std::int64_t now_us = local_now_us();
+            const JournalStanding standing = journal->standing();
+            return now_us - standing.unheard_us > back_us && standing.trouble.empty();
+        })) << "it was asked since then, and has answered";
     }
     EXPECT_EQ(open_at(server.url("killed"))->since(0).value(), journal->since(0).value());
     EXPECT_EQ(journal->since(0)->size(), 51u);
