@@ -7,10 +7,6 @@
 
 #include "tests/client/engine.h"
 
-extern "C" seaway_code one_map_in_c(seaway_client* client, float* texels, size_t bytes,
-                                    seaway_map* map);
-extern "C" seaway_code one_question_in_c(seaway_client* client, seaway_answer* water);
-
 namespace seaway {
 namespace {
 
@@ -430,20 +426,6 @@ TEST_F(Engine, who_feels_nothing_lies_on_still_water) {
             EXPECT_TRUE(terms[1].answer.flags & SEAWAY_INVALID);
         }
     }
-}
-
-TEST_F(Engine, the_worked_examples_of_the_header_work_in_c) {
-    Sea client(net->url());
-    client.subscribe();
-    std::vector<float> texels(4 * 32 * 32);
-    seaway_map map = SEAWAY_SIZED(seaway_map);
-    ASSERT_EQ(one_map_in_c(client.handle(), texels.data(), texels.size() * sizeof(float), &map),
-              SEAWAY_OK)
-        << seaway_last_error();
-    EXPECT_EQ(map.length_m, 160);
-    seaway_answer water{};
-    ASSERT_EQ(one_question_in_c(client.handle(), &water), SEAWAY_OK) << seaway_last_error();
-    EXPECT_GT(water.error_m, 0);
 }
 
 } // namespace

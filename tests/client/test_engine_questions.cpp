@@ -9,6 +9,10 @@
 
 #include "tests/client/engine.h"
 
+extern "C" seaway_code one_map_in_c(seaway_client* client, float* texels, size_t bytes,
+                                    seaway_map* map);
+extern "C" seaway_code one_question_in_c(seaway_client* client, seaway_answer* water);
+
 namespace seaway {
 namespace {
 
@@ -229,13 +233,17 @@ class Foam : public testing::Test {
     FoamAlone sea;
     std::unique_ptr<server::NetServer> net = tests::serve(sea);
     Sea client{net->url()};
-    const sea::TimeUs now_us = sea.sea_time_us();
+    sea::TimeUs now_us = 0; ///< what is held begins less than 0.1 s later
 
     void SetUp() override {
         seaway_wish alone = SEAWAY_SIZED(seaway_wish);
         alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
-        ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
-            << seaway_last_error();
+        ASSERT_TRUE(eventually([&] {
+            now_us = sea.sea_time_us();
+            EXPECT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
+                << seaway_last_error();
+            return sea.sea_time_us() < now_us + 100'000;
+        }));
     }
 };
 
@@ -318,15 +326,19 @@ TEST(FoamMaps, tell_the_mean_that_they_are_ratios_to_while_it_changes) {
     Sea client(net->url());
     seaway_wish alone = SEAWAY_SIZED(seaway_wish);
     alone.fields = SEAWAY_BIT(SEAWAY_FOAM);
-    ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
-        << seaway_last_error();
     seaway_map_wish wish = SEAWAY_SIZED(seaway_map_wish);
-    wish.time_us = client.now_us();
     wish.channels = 1;
     wish.field[0] = SEAWAY_FOAM;
     seaway_map map = SEAWAY_SIZED(seaway_map);
-    ASSERT_EQ(seaway_get_map(client.handle(), &wish, nullptr, 0, &map), SEAWAY_OK)
-        << seaway_last_error();
+    // Some tenths of a second are held, which a busy machine may have slept through.
+    seaway_code code = SEAWAY_NOT_HELD;
+    for (int i = 0; i < 5 && code == SEAWAY_NOT_HELD; ++i) {
+        ASSERT_EQ(seaway_subscribe_to(client.handle(), &alone, nullptr), SEAWAY_OK)
+            << seaway_last_error();
+        wish.time_us = client.now_us();
+        code = seaway_get_map(client.handle(), &wish, nullptr, 0, &map);
+    }
+    ASSERT_EQ(code, SEAWAY_OK) << seaway_last_error();
     const double x = static_cast<double>(wish.time_us - sea.begun_us) / 60e6;
     EXPECT_NEAR(map.foam_mean, 0.1 + 0.1 * x * x * x * (10 - 15 * x + 6 * x * x), 1e-12);
     // A program of the header before has no room for it, and nothing is written there.
@@ -356,6 +368,22 @@ TEST_F(Engine, says_what_a_time_would_be_answered_from_and_why) {
     EXPECT_EQ(from(), static_cast<std::uint32_t>(SEAWAY_FROM_SPECTRUM));
     for (const std::int64_t never_us : {INT64_MIN, INT64_MAX, sea::time_us_max + 1})
         EXPECT_EQ(seaway_get_source(client.handle(), never_us, &source), SEAWAY_BAD_ARGUMENT);
+}
+
+TEST_F(Engine, the_worked_examples_of_the_header_work_in_c) {
+    Sea client(net->url());
+    client.subscribe();
+    std::vector<float> texels(4 * 32 * 32);
+    seaway_map map = SEAWAY_SIZED(seaway_map);
+    // Some tenths of a second are held: a machine that stands still for longer may be behind them, so of a few times once is enough.
+    seaway_code code = SEAWAY_NOT_HELD;
+    for (int i = 0; i < 5 && code == SEAWAY_NOT_HELD; ++i)
+        code = one_map_in_c(client.handle(), texels.data(), texels.size() * sizeof(float), &map);
+    ASSERT_EQ(code, SEAWAY_OK) << seaway_last_error();
+    EXPECT_EQ(map.length_m, 160);
+    seaway_answer water{};
+    ASSERT_EQ(one_question_in_c(client.handle(), &water), SEAWAY_OK) << seaway_last_error();
+    EXPECT_GT(water.error_m, 0);
 }
 
 } // namespace
