@@ -38,29 +38,39 @@ TEST_F(WindowTest, is_drawn_anew_in_the_size_that_the_window_is_given) {
 
 TEST_F(WindowTest, a_click_on_the_sea_shows_what_the_server_says_of_that_place) {
     open(options());
-    const double x = 600, y = 330;
-    mouse(x, y);
-    display_->tool("click 1");
-    ASSERT_TRUE(step_until([&] { return viewer_->probe().has_value(); }));
-    const Probe& probe = *viewer_->probe();
-    ASSERT_TRUE(probe.answer());
+    const glm::dvec2 clicked(600, 330);
+    mouse(clicked.x, clicked.y);
     const auto client = Client::connect({.url = url_});
     ASSERT_TRUE(client) << client.error().message;
-    const sea::QueryPoint point{probe.place_m().x, probe.place_m().y, probe.time_us()};
-    const auto exact = (*client)->ask({&point, 1}, {.exact = true});
-    ASSERT_TRUE(exact) << exact.error().message;
-    const sea::Answer truth = exact->front();
-    EXPECT_NEAR(probe.answer()->height_m, truth.height_m, probe.answer()->error_m + truth.error_m);
-    EXPECT_LT(probe.answer()->error_m, 0.05);
-    // That place is below the mouse: projection knows nothing of how it was found. A click is of whole points, and
-    // its waves have moved by a frame since.
-    Camera camera = viewer_->camera();
-    camera.width = width;
-    camera.height = height;
-    const auto mark = on_picture(camera, probe.place_m().x, probe.place_m().y, truth.height_m);
-    ASSERT_TRUE(mark);
-    EXPECT_NEAR((mark->x + 1) / 2 * width, x, 2);
-    EXPECT_NEAR((mark->y + 1) / 2 * height, y, 2);
+    // That place is below the mouse: projection knows nothing of how it was found. A click is of whole points, and its waves have moved
+    // by a frame since, which on a busy machine may take a second: of a few times once is enough.
+    glm::dvec2 off(HUGE_VAL);
+    std::optional<glm::dvec2> before;
+    for (int i = 0; i < 3 && (off.x > 2 || off.y > 2); ++i) {
+        display_->tool("click 1");
+        ASSERT_TRUE(step_until([&] {
+            return viewer_->probe() && (!before || viewer_->probe()->place_m() != *before);
+        }));
+        const Probe& probe = *viewer_->probe();
+        before = probe.place_m();
+        ASSERT_TRUE(probe.answer());
+        const sea::QueryPoint point{before->x, before->y, probe.time_us()};
+        const auto exact = (*client)->ask({&point, 1}, {.exact = true});
+        ASSERT_TRUE(exact) << exact.error().message;
+        const sea::Answer truth = exact->front();
+        EXPECT_NEAR(probe.answer()->height_m, truth.height_m,
+                    probe.answer()->error_m + truth.error_m);
+        EXPECT_LT(probe.answer()->error_m, 0.05);
+        Camera camera = viewer_->camera();
+        camera.width = width;
+        camera.height = height;
+        const auto mark = on_picture(camera, before->x, before->y, truth.height_m);
+        ASSERT_TRUE(mark);
+        const glm::dvec2 marked((mark->x + 1) / 2 * width, (mark->y + 1) / 2 * height);
+        off = glm::abs(marked - clicked);
+    }
+    EXPECT_LE(off.x, 2);
+    EXPECT_LE(off.y, 2);
     // And the panel says so, and draws its trace.
     EXPECT_TRUE(step_until([&] { return viewer_->model().trace.values.size() > 10; }));
     std::string said;
