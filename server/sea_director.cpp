@@ -228,10 +228,9 @@ SeaDirector::Start SeaDirector::start_of(const SeaWish& wish, const RunningSea& 
     const TimeUs ready_us =
         first_start(to) + clock_.hurried(std::max(spare_us, 3 * making_us)) + spread();
     // Not moved to where keyframes meet: of two for one time the later would begin first where they meet elsewhere.
-    if (wish.at_us >= ready_us && wish.at_us != passed_wish_us_)
+    if (wish.at_us >= ready_us && !passed_.hold(wish.at_us))
         return {wish.at_us, false};
-    // One that is made sooner than that before it would begin before it, and that one would be lost.
-    const TimeUs start_us = std::max(ready_us, soonest_us_);
+    const TimeUs start_us = std::max(ready_us, passed_.until_us);
     return {next_meeting(start_us, intervals_of(*course_->at(start_us - 1), to)), true};
 }
 
@@ -438,10 +437,8 @@ Result<SeaPromise> SeaDirector::make(const SeaWish& wish) {
                  sea::seconds_from_us(promise.end_us - promise.start_us),
                  planned->to->summary.realised.significant_height_m);
     look_at_room();
-    if (planned->soonest) {
-        soonest_us_ = promise.start_us;
-        passed_wish_us_ = std::max(passed_wish_us_, wish.at_us);
-    }
+    if (planned->soonest)
+        passed_.add(wish.at_us, promise.start_us, clock_.now_us());
     if (clock_.now_us() > promise.start_us)
         was_late();
     return promise;

@@ -127,6 +127,22 @@ class SeaDirector {
     /// A pace of its own that others follow and it does not, until the next one holds.
     std::atomic<std::int64_t> passed_over_since_us_ = 0;                ///< by the steady clock
     std::atomic<sea::TimeUs> passed_over_until_us_ = -sea::time_us_max; ///< since the epoch
+    /// Times that were wished for a change which begins later, from the first of them until that: one for such a time begins behind it,
+    /// too. If it is made sooner it would begin before, and what was wished before it would be lost.
+    struct Passed {
+        sea::TimeUs from_us = sea::time_us_max;
+        sea::TimeUs until_us =
+            -sea::time_us_max; ///< start of the last that was to begin as soon as can be
+
+        bool hold(sea::TimeUs time_us) const { return from_us <= time_us && time_us < until_us; }
+        void add(sea::TimeUs wished_us, sea::TimeUs start_us, sea::TimeUs now_us) {
+            if (until_us <= now_us)
+                from_us = sea::time_us_max;
+            if (wished_us > now_us)
+                from_us = std::min(from_us, wished_us);
+            until_us = start_us;
+        }
+    };
     std::string doubt_; ///< of the last look; this and what follows of the director's thread
     bool handed_over_for_doubt_ = false; ///< that lasts
     bool missed_ = false;                ///< a change had begun when it came
@@ -136,10 +152,7 @@ class SeaDirector {
     std::uint32_t begun_epoch_ = 0;     ///< that the journal knows of
     std::int64_t note_again_us_ = 0;    ///< by the steady clock
     std::vector<sea::TimeUs> promised_; ///< starts that have not come; of the director's thread
-    sea::TimeUs soonest_us_ =
-        -sea::time_us_max; ///< start of the last change that was to begin as soon as can be
-    /// The latest time that was wished for one of those: another one for it begins behind that, too.
-    sea::TimeUs passed_wish_us_ = -sea::time_us_max;
+    Passed passed_;
     World& world_;
     SeaClock& clock_;
 

@@ -5,8 +5,8 @@
 
 namespace seaway::server {
 
-/// Slices of keyframes that are due before what was asked for has one, and as many times the length of that, where it was longer:
-/// the stream goes first, and one that never catches up still leaves a fifth of the thread, and no more, to those who ask.
+/// Slices of keyframes that are due before what was asked for has one: the stream goes first, and one that never
+/// catches up still leaves turns to those who ask, a fifth of the thread where slices are as long.
 inline constexpr int stream_slices_ahead = 4;
 
 } // namespace seaway::server

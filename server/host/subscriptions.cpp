@@ -60,9 +60,13 @@ sea::FieldSet Subscriptions::wanted(int cascade) const {
     return union_of([&](const Demand& grant) { return grant.wants(cascade); });
 }
 
-sea::FieldSet Subscriptions::wanted(int cascade, Quality quality) const {
-    return union_of(
-        [&](const Demand& grant) { return grant.quality == quality && grant.wants(cascade); });
+sea::FieldSet Subscriptions::wanted(int cascade, Quality quality, sea::FieldSet may_follow) const {
+    const std::scoped_lock lock(mutex_);
+    sea::FieldSet fields;
+    for (const auto& [session, grant] : grants_)
+        if (grant.quality == quality && grant.wants(cascade))
+            fields |= grant.fields.without(may_follow & sea::following(grant.fields));
+    return fields;
 }
 
 std::array<sea::FieldSet, rate_rungs_hz.size()> Subscriptions::wanted_by_rate(int cascade) const {

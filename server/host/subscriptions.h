@@ -84,9 +84,10 @@ class Subscriptions {
     std::optional<Demand> find(SessionId session) const;
     std::size_t size() const;
 
-    /// Union of what is wanted of a cascade, at any quality and at one.
+    /// Union of what is wanted of a cascade, at any quality and at one; there without what of each grant follows from the rest of it,
+    /// of fields that may follow.
     sea::FieldSet wanted(int cascade) const;
-    sea::FieldSet wanted(int cascade, Quality quality) const;
+    sea::FieldSet wanted(int cascade, Quality quality, sea::FieldSet may_follow = {}) const;
     /// The same of those who take keyframes at most at a rate, one a rung of rates.
     std::array<sea::FieldSet, rate_rungs_hz.size()> wanted_by_rate(int cascade) const;
     /// Rungs at which somebody wants a cascade, those with most readers first; of those with as many each in turn, by a number that is

@@ -129,12 +129,13 @@ EncoderCounters EncodeWorker::counters() const {
 
 EncodeWorker::Line* EncodeWorker::next_line() {
     const bool others = !starts_.empty() || !fetched_.empty();
-    const bool goes_ahead = ahead_ < stream_slices_ahead || owed_s_ > 0;
+    const bool owed = !streamed_.empty() && owed_s_ > 0; // starts do not wait for that
+    const bool goes_ahead = ahead_ < stream_slices_ahead || (owed && starts_.empty());
     if (!streamed_.empty() && (!others || goes_ahead))
         return &streamed_;
     if (!others)
         return nullptr;
-    return fetched_.empty() || (starts_turn_ && !starts_.empty()) ? &starts_ : &fetched_;
+    return fetched_.empty() || ((starts_turn_ || owed) && !starts_.empty()) ? &starts_ : &fetched_;
 }
 
 EncodeWorker::Waiting EncodeWorker::take_from(Line& line) {
@@ -152,7 +153,7 @@ EncodeWorker::Waiting EncodeWorker::take_from(Line& line) {
 void EncodeWorker::note_took(const Line& line, double seconds) {
     if (&line == &streamed_)
         owed_s_ -= seconds;
-    else
+    else if (&line == &fetched_)
         owed_s_ = seconds > counted_slice_s ? stream_slices_ahead * seconds : 0.0;
 }
 

@@ -30,9 +30,8 @@ void tell_of_left_out(Core& core, std::size_t more) {
 } // namespace
 
 void publish_keyframe(const std::shared_ptr<Core>& core, KeyframeTiles tiles) {
-    const sea::FieldSet all =
-        core->host.subscriptions().wanted(tiles.keyframe->cascade, tiles.quality);
-    const sea::FieldSet wanted = all.without(tiles.follows & sea::following(all));
+    const sea::FieldSet wanted =
+        core->host.subscriptions().wanted(tiles.keyframe->cascade, tiles.quality, tiles.follows);
     if (wanted.empty())
         return;
     const std::weak_ptr<Core> weak = core;

@@ -420,14 +420,13 @@ void Session::close(ErrorCode code, const std::string& why, std::chrono::millise
     });
 }
 
-void Session::give_up(const std::string& why) {
-    if (!outbox_.is_sending_streamed())
-        return close(ErrorCode::too_slow, why);
-    or_drop(
-        [&] { // who waits for its places waits no longer, also where there is no memory to say so
-            end(protocol::name(ErrorCode::too_slow), why);
-            link_.drop();
-        });
+void Session::give_up(std::string_view why) {
+    or_drop([&] { // its places are waited for, also where there is no memory to say why
+        if (!outbox_.is_sending_streamed())
+            return close(ErrorCode::too_slow, std::string(why));
+        end(protocol::name(ErrorCode::too_slow), why);
+        link_.drop();
+    });
 }
 
 void Session::end(std::string_view reason, std::string_view why) {

@@ -82,7 +82,7 @@ class Session {
     bool awaits_waves() const { return outbox_.paces_spectra() || spectra_owed_.has_value(); }
     /// Ends it as too slow, so that what it holds is let go of: where it does not take what it is being sent, without
     /// a word, for which it would have to take that first.
-    void give_up(const std::string& why);
+    void give_up(std::string_view why);
 
     const Outbox& outbox() const { return outbox_; }
 

@@ -260,8 +260,10 @@ class StreamConnection final : public Link,
     void make_room() {
         says_hello_no_more();
         if (session_)
-            return session_->close(wire::ErrorCode::hello_expected,
-                                   "no Hello yet, and others want the place");
+            return or_drop([&] {
+                session_->close(wire::ErrorCode::hello_expected,
+                                "no Hello yet, and others want the place");
+            });
         upgrade_.reset();
         ++core().counters.sessions_refused["gave_way"];
         drop();

@@ -38,6 +38,18 @@ TEST(Subscriptions, wanted_is_the_union_over_sessions_of_a_cascade_at_a_quality)
     EXPECT_EQ(all.size(), 2u);
 }
 
+// Naive: what follows from maps that somebody else takes is wanted by nobody, and who takes nothing else gets nothing.
+TEST(Subscriptions, what_follows_is_wanted_by_who_does_not_take_what_it_follows_from) {
+    const FieldSet heights{Field::height, Field::height_rate};
+    const FieldSet moved = sea::surface_fields.without(heights);
+    Subscriptions all;
+    all.set(1, {.cascades = 1u, .fields = sea::surface_fields});
+    EXPECT_EQ(all.wanted(0, 0), sea::surface_fields);
+    EXPECT_EQ(all.wanted(0, 0, moved), heights);
+    all.set(2, {.cascades = 1u, .fields = {Field::displacement_x, Field::foam}});
+    EXPECT_EQ(all.wanted(0, 0, moved), (heights | FieldSet{Field::displacement_x, Field::foam}));
+}
+
 TEST(Subscriptions, a_quality_is_in_use_for_as_long_as_somebody_has_it) {
     Subscriptions all;
     all.set(1, {.cascades = 1u, .fields = {Field::height}, .quality = 2});
