@@ -283,6 +283,22 @@ TEST_F(NetStream, another_subscription_takes_the_place_of_the_first_with_no_mome
               (std::vector{sea::FieldSet{sea::Field::height}, sea::FieldSet{sea::Field::foam}}));
 }
 
+// Naive: what follows from maps that are sent to somebody is made for nobody.
+TEST_F(NetStream, who_takes_what_follows_alone_is_sent_it_beside_who_takes_what_it_follows_from) {
+    start();
+    host.subscriptions().set(1000, {.cascades = 1u, .fields = sea::surface_fields});
+    client = greeted();
+    const sea::FieldSet moved{sea::Field::displacement_x};
+    ASSERT_FALSE(client->send(protocol::subscribe(1, {.cascades = 1u, .fields = moved}, 1)));
+    ASSERT_TRUE(client->receive(Body::FetchDone));
+    host.newest = 10;
+    server::KeyframeTiles deep = host.keyframe(0, 10, sea::surface_fields);
+    deep.compact_size = 16;
+    deep.follows = sea::following(sea::surface_fields);
+    net->publish(deep);
+    streamed(10, wire::Field::displacement_x);
+}
+
 TEST_F(NetStream, each_subscription_has_the_credit_that_it_asks_for) {
     client_with_one_waiting();
     subscribe_again(sea::Field::foam, 3);
