@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "gpu/device_info.h"
+#include "protocol/messages.h"
 #include "server/devices.h"
 #include "server/options.h"
 #include "tests/support/folder.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Skies for frames that do not wait.
 #include <algorithm>
-#include <cstring>
+#include <span>
 
 #include "client/view/sky/sky_feed.h"
 #include "tests/client/view/sky/air_fixture.h"
@@ -17,7 +17,7 @@ Sky exact(const Look& look, double hour, const Eye& eye = {}) {
 }
 bool same_values(const Sky& a, const Sky& b) {
     const shaders::SkyValues one = a.values(), two = b.values();
-    return std::memcmp(&one, &two, sizeof one) == 0;
+    return std::ranges::equal(std::as_bytes(std::span(&one, 1)), std::as_bytes(std::span(&two, 1)));
 }
 
 TEST(SkyFeed, frames_go_on_with_the_last_tables_while_new_ones_are_made) {
