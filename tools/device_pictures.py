@@ -9,8 +9,8 @@ import sys
 from plot_style import COLOURS, plt
 
 SIZES = [128, 256, 512]
-# VkFFT 1.2.26 with other kernels for evolution and maps around it, eight maps of one tile, ms: published of lavapipe
-# (Mesa 22.3.6) on two cores of another machine (docs/performance/maps.md).
+# VkFFT 1.2.26 with other kernels for evolution and maps around it, eight maps of one tile, ms: of a prototype on lavapipe
+# (Mesa 22.3.6), two cores of another machine (docs/performance/maps.md).
 VKFFT_MS = {128: 1.90, 256: 6.8, 512: 20.3}
 TILES = 3
 
