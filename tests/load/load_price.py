@@ -4,7 +4,7 @@
 attack, each in a process of its own. Prints one row: keyframes that the healthy one lost, how long its
 single points took, what the attack was answered, and the server's memory before, at the most and afterwards.
 
-    load_price.py ATTACK [SECONDS] [--server PROGRAM] [--scene FILE] [--after SECONDS] [--probe KIND]
+    load_price.py ATTACK [SECONDS] [--server PROGRAM] [--scene FILE] [--after SECONDS] [--probe KIND] [--device NAME]
 
 Attacks: quiet, fetch (8 far times, all fields, again and again), points (4096 points at 8 times x 16),
 exact (256 x 16), leave (100 MB of legal queries, then gone; the healthy one's are timed afterwards too),
@@ -284,6 +284,7 @@ def options():
     parser.add_argument("seconds", nargs="?", type=float, default=20)
     parser.add_argument("--server", default=str(ROOT / "build" / "dev" / "bin" / "seaway-server"))
     parser.add_argument("--scene", default=str(ROOT / "scenes" / "north_sea_gale.toml"))
+    parser.add_argument("--device", default="native")
     parser.add_argument("--after", type=float, default=5)
     parser.add_argument("--probe", default="now", choices=["now", "far", "exact"])
     parser.add_argument("--fields", type=lambda text: int(text, 0), default=SURFACE_FIELDS)
@@ -327,7 +328,7 @@ def say(asked, result, begun_s, ended_s, attack, cores, memory):
 
 def main():
     asked = options()
-    with Served(asked.server, asked.scene, "--device", "native") as served:
+    with Served(asked.server, asked.scene, "--device", asked.device) as served:
         port, server = served.port, served.process
         report, attack_report = multiprocessing.Queue(), multiprocessing.Queue()
         stop, stop_attack = multiprocessing.Event(), multiprocessing.Event()
