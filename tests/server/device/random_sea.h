@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sea/basics/field.h"
+#include "sea/foam/foam_kernel.h"
 #include "sea/surface/maps/keyframe.h"
 #include "sea/waves/realization.h"
 
@@ -38,6 +39,10 @@ class OneWave {
   private:
     std::shared_ptr<sea::Realization> realization_;
 };
+
+/// A tick in which strains break.
+inline constexpr sea::FoamTick some_tick{0.9f, 0.0f, 1.0f, 1.0f, 1.0f,  0.01f, 0.0f, 0.0f,
+                                         0.0f, 0.0f, 0.0f, 0.0f, 1e-4f, 0.5f,  1.0f, 0.0f};
 
 /// A node of a grid: x, y.
 using GridNode = std::pair<int, int>;

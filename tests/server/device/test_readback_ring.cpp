@@ -150,10 +150,6 @@ TEST_F(ReadbackRing, where_memory_is_read_in_place_nothing_travels) {
     EXPECT_EQ(counts.readbacks_beside, 0u);
 }
 
-/// A tick in which strains break.
-constexpr sea::FoamTick some_tick{0.9f, 0.0f, 1.0f, 1.0f, 1.0f,  0.01f, 0.0f, 0.0f,
-                                  0.0f, 0.0f, 0.0f, 0.0f, 1e-4f, 0.5f,  1.0f, 0.0f};
-
 // Turns of one map in runs that are under way together: each begins where the one before it ended.
 TEST_F(ReadbackRing, foam_goes_on_from_run_to_run) {
     std::vector<std::vector<NewKeyframePtr>> made;

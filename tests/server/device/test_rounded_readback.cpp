@@ -14,6 +14,7 @@
 #include "tests/gpu/held_drivers.h"
 #include "tests/gpu/read_in_place.h"
 #include "tests/server/device/random_sea.h"
+#include "tests/support/largest_difference.h"
 
 namespace seaway::server {
 namespace {
@@ -50,6 +51,19 @@ class RoundedReadback : public testing::Test {
         const SynthesisCounters before = device_->counters();
         made(count, rounding);
         return device_->counters() - before;
+    }
+
+    /// Of a history of its own, whose ticks add so many times what breaks; the last is shown as it is.
+    std::vector<NewKeyframePtr> with_foam(float source, std::span<const float> rounding) {
+        const FoamMapPtr map = device_->open_foam(64, nullptr).value();
+        sea::FoamTick tick = some_tick;
+        tick.source = source;
+        const FoamTurn turn{map.get(), tick, {sea::FoamTick::without_strains(1.0f, 0.0f), 1.0f}};
+        std::vector<KeyframeRequest> all;
+        for (int i = 0; i < 6; ++i)
+            all.push_back({0, i * 700'000, FieldSet{Field::height, Field::foam}, 1, &turn,
+                           i < 5 ? rounding : std::span<const float>()});
+        return device_->synthesize(all).value();
     }
 
     RandomSea random_{64, 200.0, 1, {1.1, 0.9}};
@@ -174,6 +188,32 @@ TEST_F(RoundedReadback, foam_that_the_caller_fills_is_not_looked_at) {
     EXPECT_EQ(keyframe->rounded_map(Field::foam), nullptr);
     EXPECT_EQ(keyframe->plane(Field::foam).size(), map_points);
     EXPECT_EQ(device_->counters().maps_too_large[static_cast<std::size_t>(Field::foam)], 0u);
+}
+
+// Ratios reach some hundreds, which 16 bits are too few for at the bound that servers ask for. What a device keeps is never
+// rounded: else every tick would add to what is lost.
+TEST_F(RoundedReadback, foam_of_a_turn_is_within_its_bound_or_exact_and_goes_on_unrounded) {
+    const std::vector<float> two{0.001f, 0.0008f};
+    for (const float source : {1.0f, 1000.0f}) {
+        const bool fits = source == 1.0f;
+        const auto exact = with_foam(source, {});
+        const SynthesisCounters before = device_->counters();
+        const auto rounded = with_foam(source, two);
+        const SynthesisCounters counts = device_->counters() - before;
+        EXPECT_EQ(counts.maps_rounded, fits ? 10u : 5u);
+        EXPECT_EQ(counts.maps_too_large[static_cast<std::size_t>(Field::foam)], fits ? 0u : 5u);
+        for (std::size_t i = 0; i < 5; ++i) {
+            const std::span<const float> ratios = exact[i]->plane(Field::foam);
+            EXPECT_EQ(*std::ranges::max_element(ratios) < 2 * 32767 * two[1], fits) << i;
+            const sea::RoundedMap* map = rounded[i]->rounded_map(Field::foam);
+            ASSERT_EQ(map != nullptr, fits) << source << ", " << i;
+            const double off = tests::largest_difference(rounded[i]->plane(Field::foam), ratios);
+            EXPECT_LE(off, map ? static_cast<double>(map->error) : 0.0) << source << ", " << i;
+            EXPECT_EQ(off > 0, fits) << "it was rounded";
+        }
+        EXPECT_TRUE(rounded[5]->rounded.empty());
+        EXPECT_EQ(rounded[5]->values, exact[5]->values) << source;
+    }
 }
 
 TEST_F(RoundedReadback, where_memory_is_read_in_place_nothing_is_rounded) {

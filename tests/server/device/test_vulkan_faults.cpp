@@ -16,10 +16,6 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A tick in which strains break.
-constexpr sea::FoamTick some_tick{0.9f, 0.0f, 1.0f, 1.0f, 1.0f,  0.01f, 0.0f, 0.0f,
-                                  0.0f, 0.0f, 0.0f, 0.0f, 1e-4f, 0.5f,  1.0f, 0.0f};
-
 /// Foam on a keyframe: more maps than there is room for at first, one of them a copy.
 Result<void> foam(Synthesizer& device) {
     std::vector<FoamMapPtr> maps;
