@@ -14,6 +14,7 @@
 #include "server/device/vulkan_synthesizer.h"
 #include "server/host/grant.h"
 #include "server/publish/encoder.h"
+#include "server/simulation/foam_maps.h"
 #include "server/simulation/simulation.h"
 #include "tests/server/publish/predicted_sea.h"
 #include "tests/server/publish/tile_of.h"
@@ -39,6 +40,19 @@ std::unique_ptr<VulkanSynthesizer> staged_device() {
     return make_vulkan_synthesizer({.validation = true, .staged = true}).value();
 }
 
+/// The map in its tiles, of so many points a side.
+std::vector<float> decoded(const EncodedField& map, int size) {
+    const auto stride = static_cast<std::size_t>(size);
+    std::vector<float> back(stride * stride);
+    for (const protocol::SharedBytes& bytes : map.parts) {
+        const wire::Tile& tile = tile_of(bytes);
+        EXPECT_TRUE(protocol::decode_tile({tile.payload()->data(), tile.payload()->size()},
+                                          {tile.width(), tile.height()}, stride,
+                                          std::span(back).subspan(tile.y0() * stride + tile.x0())));
+    }
+    return back;
+}
+
 class RoundedScene : public testing::TestWithParam<std::string> {
   protected:
     void SetUp() override {
@@ -49,7 +63,7 @@ class RoundedScene : public testing::TestWithParam<std::string> {
     }
     void TearDown() override { EXPECT_THAT(device_->validation_messages(), testing::IsEmpty()); }
 
-    /// Of all cascades; foam goes by histories, which are not rounded.
+    /// Of all cascades, without foam: here is no history that would fill it (RoundedFoam).
     std::vector<NewKeyframePtr> made(sea::TimeUs time_us, Readback readback) {
         std::vector<KeyframeRequest> requests;
         std::vector<std::vector<float>> bounds(sea_->budget.cascades.size());
@@ -119,15 +133,7 @@ TEST_P(RoundedScene, tiles_of_every_bound_are_within_it) {
                 encoder.encode(*rounded[c], maps.codec_error, quality, rounded[c]->fields);
             ASSERT_TRUE(encoded) << encoded.error().message;
             for (const EncodedField& map : (*encoded)->maps) {
-                std::vector<float> back(exact[c]->plane_size());
-                for (const protocol::SharedBytes& bytes : map.parts) {
-                    const wire::Tile& tile = tile_of(bytes);
-                    const auto stride = static_cast<std::size_t>(exact[c]->size);
-                    ASSERT_TRUE(protocol::decode_tile(
-                        {tile.payload()->data(), tile.payload()->size()},
-                        {tile.width(), tile.height()}, stride,
-                        std::span(back).subspan(tile.y0() * stride + tile.x0())));
-                }
+                const std::vector<float> back = decoded(map, exact[c]->size);
                 double worst = 0;
                 for (std::size_t i = 0; i < back.size(); ++i)
                     worst = std::max(worst,
@@ -256,6 +262,39 @@ TEST_F(RoundedGlide, rates_have_what_the_sea_grows_by_and_are_no_further_off) {
     }
 }
 
+// Where half of the sea breaks no ratio is large, and 16 bits are enough.
+TEST(RoundedFoam, tiles_of_every_bound_are_within_it) {
+    const RunningSeaPtr sea = running_sea("[foam]\nthreshold = 1.0\ndecay_s = 3\n");
+    const std::unique_ptr<VulkanSynthesizer> device = staged_device();
+    ASSERT_TRUE(device->set_sea(sea->realization, 1));
+    const FieldSet fields{Field::height, Field::foam};
+    const auto made = [&](Readback readback) {
+        const std::vector<float> bounds = rounding_bounds(sea->budget, fields, 0, readback);
+        FoamMaps foam(std::make_shared<SeaCourse>(sea));
+        return foam.synthesize(*device, {{0, 5 * second_us, fields, 1, nullptr, bounds}})
+            .value()[0];
+    };
+    const NewKeyframePtr exact = made(Readback::exact), rounded = made(Readback::rounded);
+    const std::span<const float> ratios = exact->plane(Field::foam);
+    const sea::RoundedMap* foam = rounded->rounded_map(Field::foam);
+    ASSERT_NE(foam, nullptr);
+    EXPECT_LE(tests::largest_difference(rounded->plane(Field::foam), ratios),
+              static_cast<double>(foam->error));
+    for (std::size_t codec = 0; codec < codec_rungs.size(); ++codec) {
+        Encoder encoder;
+        const Quality quality = number_of({.codec = codec});
+        const RungMaps maps = maps_of(sea->budget, 0, fields, quality);
+        const auto encoded = encoder.encode(*rounded, maps.codec_error, quality, fields);
+        ASSERT_TRUE(encoded) << encoded.error().message;
+        ASSERT_EQ((*encoded)->maps.size(), 2u);
+        for (const EncodedField& map : (*encoded)->maps)
+            EXPECT_LE(tests::largest_difference(decoded(map, exact->size), exact->plane(map.field)),
+                      static_cast<double>(map.error))
+                << sea::info(map.field).name << " at " << codec_rungs[codec];
+    }
+    EXPECT_TRUE(device->validation_messages().empty());
+}
+
 TEST(RoundedKeyframe, counts_its_steps_and_hands_on_what_it_was_rounded_by) {
     sea::Keyframe one{1, 0, 0, 2, 10.0, {Field::height, Field::foam}};
     one.values.assign(8, 0.5f);
@@ -291,14 +330,7 @@ TEST_P(RoundedScene, predicted_heights_are_within_the_bound) {
             encoder.encode(*rounded[0], maps.codec_error, quality, both, {.law = predicted_law});
         ASSERT_TRUE(encoded) << encoded.error().message;
         for (const EncodedField& map : (*encoded)->maps) {
-            std::vector<float> back(exact[0]->plane_size());
-            for (const protocol::SharedBytes& bytes : map.parts) {
-                const wire::Tile& tile = tile_of(bytes);
-                const auto stride = static_cast<std::size_t>(exact[0]->size);
-                ASSERT_TRUE(protocol::decode_tile(
-                    {tile.payload()->data(), tile.payload()->size()}, {tile.width(), tile.height()},
-                    stride, std::span(back).subspan(tile.y0() * stride + tile.x0())));
-            }
+            const std::vector<float> back = decoded(map, exact[0]->size);
             EXPECT_LE(tests::largest_difference(back, exact[0]->plane(map.field)),
                       static_cast<double>(map.error))
                 << sea::info(map.field).name << " at " << time_us;
