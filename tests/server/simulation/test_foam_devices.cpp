@@ -217,6 +217,11 @@ TEST_P(FoamOn, nothing_is_computed_that_nobody_asked_for) {
     const bool on_tick = 50'000'000 % interval_us == 0;
     EXPECT_EQ(first.foam_ticks, static_cast<std::uint64_t>(start) + !on_tick);
     EXPECT_EQ(first.transforms, 3 * first.foam_ticks) << "three strains a tick, and no other map";
+    EXPECT_GT(start, 3) << "it is a walk";
+    if (GetParam() == On::staged) {
+        EXPECT_EQ(first.readback_bytes, 64 * 64 * sizeof(float))
+            << "the map that is shown travels, and nothing of the way there";
+    }
     EXPECT_EQ(growth([&] { (void)map(foam, 0, 50'000'000); }).foam_ticks, on_tick ? 0u : 1u);
     // A calm sea looks at no strains, and has no ticks.
     set(calm_law);
