@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // EncodeWorker: the thread that owns the Encoder. Streamed keyframes go before fetched ones, also in
-// the middle of a fetch: a large one is encoded slice by slice. Ahead of what waits go stream_slices_ahead of them, or as many
-// as take so many times what the last such slice took, then one slice of a start or of a fetch, in turns: a stream that never
-// catches up keeps nobody from joining and no fetch from its end, and no grid is so large that its fetch takes more than its share. The lines are bounded: what does not
-// fit is refused to its owner, who counts it. Of what is streamed the rungs with most readers go first, and where there is
-// no room what has waited longest goes: sessions with wishes of their own take nothing from the others.
+// the middle of a fetch: a large one is encoded slice by slice. Ahead of what waits go stream_slices_ahead of them, then
+// one slice of a start or of a fetch, in turns: a stream that never catches up keeps nobody from joining and no fetch from
+// its end. Behind a long slice of a fetch the next one waits for as many times its length of the stream; starts do not.
+// The lines are bounded: what does not fit is refused to its owner, who counts it. Of what is streamed the rungs with most
+// readers go first, and where there is no room what has waited longest goes: sessions with wishes of their own take nothing
+// from the others.
 #pragma once
 
 #include <condition_variable>

@@ -17,6 +17,7 @@
 #include "client/apps/query_output.h"
 #include "client/apps/query_run.h"
 #include "tests/client/query_options_of.h"
+#include "tests/support/lines_of.h"
 
 namespace seaway::client {
 namespace {
@@ -58,13 +59,6 @@ std::vector<sea::Answer> answers() {
     }
     return made;
 }
-std::vector<std::string> lines_of(const std::string& text) {
-    std::istringstream in(text);
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(in, line);)
-        lines.push_back(line);
-    return lines;
-}
 std::vector<std::string> words_of(std::string line) {
     std::replace(line.begin(), line.end(), ',', ' ');
     std::istringstream in(line);
@@ -74,7 +68,7 @@ std::vector<std::string> words_of(std::string line) {
 TEST(QueryOutput, every_column_of_every_format_holds_what_it_is_called_by) {
     for (const bool compact : {false, true}) {
         const std::string text = output_rows(Format::json, points(), answers(), compact);
-        EXPECT_EQ(lines_of(text).size(), compact ? 1u : 2u) << text;
+        EXPECT_EQ(tests::lines_of(text).size(), compact ? 1u : 2u) << text;
         const json shown = json::parse(text);
         ASSERT_EQ(shown.size(), 2u);
         for (std::size_t i = 0; i < 2; ++i) {
@@ -85,11 +79,11 @@ TEST(QueryOutput, every_column_of_every_format_holds_what_it_is_called_by) {
         }
     }
     const auto head = words_of(output_head(Format::csv));
-    const auto csv = lines_of(output_rows(Format::csv, points(), answers(), false));
+    const auto csv = tests::lines_of(output_rows(Format::csv, points(), answers(), false));
     ASSERT_EQ(csv.size(), 2u);
     // A table has a line of titles, columns in the same order and flags by name.
     EXPECT_EQ(output_head(Format::table) + output_head(Format::json), "");
-    const auto table = lines_of(output_rows(Format::table, points(), answers(), false));
+    const auto table = tests::lines_of(output_rows(Format::table, points(), answers(), false));
     ASSERT_EQ(table.size(), 3u);
     EXPECT_EQ(words_of(table[0]).size(), 12u);
     const char* const named[] = {"folded exact", "not_converged vertical_velocity"};
@@ -120,8 +114,8 @@ TEST(QueryOutput, every_column_of_water_below_holds_what_it_is_called_by) {
     Below found{answers(), {{{6.5, -7.25, 8.125}, 9.0625}, {{-10.5, 11.25, -12.125}, -13.0625}}};
     const json shown = json::parse(output_rows(Format::json, points(), -3.75, found, true));
     const auto head = words_of(output_head(Format::csv, true));
-    const auto csv = lines_of(output_rows(Format::csv, points(), -3.75, found, false));
-    const auto table = lines_of(output_rows(Format::table, points(), -3.75, found, false));
+    const auto csv = tests::lines_of(output_rows(Format::csv, points(), -3.75, found, false));
+    const auto table = tests::lines_of(output_rows(Format::table, points(), -3.75, found, false));
     EXPECT_EQ(output_head(Format::table, true) + output_head(Format::json, true), "");
     ASSERT_EQ(shown.size(), 2u);
     ASSERT_EQ(csv.size(), 2u);
@@ -170,8 +164,8 @@ TEST(QueryOutput, every_column_of_a_measurement_holds_what_it_is_called_by) {
     const double values[2][7] = {{64, 8, 1000, 2.5, 25600, 0.75, 3.25},
                                  {32, 1, 500, 1.25, 12800, 1.75, 2.5}};
     const json shown = json::parse(output_bench(Format::json, measured));
-    const auto csv = lines_of(output_bench(Format::csv, measured));
-    const auto table = lines_of(output_bench(Format::table, measured));
+    const auto csv = tests::lines_of(output_bench(Format::csv, measured));
+    const auto table = tests::lines_of(output_bench(Format::table, measured));
     ASSERT_EQ(shown.size(), 2u);
     ASSERT_EQ(csv.size(), 3u);
     ASSERT_EQ(table.size(), 3u);

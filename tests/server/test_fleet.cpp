@@ -20,6 +20,7 @@
 #include "tests/server/fleet_bench.h"
 #include "tests/support/eventually.h"
 #include "tests/support/fault_proxy.h"
+#include "tests/support/lines_of.h"
 #include "tests/support/nats_server.h"
 #include "tests/support/times_in.h"
 
@@ -311,14 +312,6 @@ TEST(
     EXPECT_EQ(get(url, "/healthz").status, 200);
 }
 
-std::vector<std::string> rows_of(const std::string& said) {
-    std::istringstream lines(said);
-    std::vector<std::string> rows;
-    for (std::string line; std::getline(lines, line);)
-        rows.push_back(line);
-    return rows;
-}
-
 /// How its sea is, its changes, and how many it is behind, of a server's row of `status`.
 std::string standing_in(const std::string& row) {
     std::istringstream words(row);
@@ -346,7 +339,7 @@ TEST(Fleet, an_administrator_sees_the_servers_their_history_and_differences_and_
     // Either may be stale for a moment.
     EXPECT_TRUE(tests::eventually([&] {
         status = ctl(at_a, {"status", at_b, "ws://127.0.0.1:1"});
-        rows = rows_of(status.words);
+        rows = tests::lines_of(status.words);
         return rows.size() == 4 && standing_in(rows[1]) == "ready 2 0" &&
                standing_in(rows[2]) == "ready 2 0";
     })) << status.words;

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 
+#include "tests/support/lines_of.h"
 #include "tests/support/program.h"
 #include "tests/support/read_file.h"
 #include "tests/support/server_process.h"
@@ -54,20 +54,12 @@ std::vector<std::string> fields(const std::string& line) {
     return parts;
 }
 
-std::vector<std::string> lines(const std::string& text) {
-    std::istringstream stream(text);
-    std::vector<std::string> all;
-    for (std::string line; std::getline(stream, line);)
-        all.push_back(line);
-    return all;
-}
-
 using Trial = std::map<std::string, double>; // figures by metric
 
 /// By "knob value".
 std::map<std::string, Trial> trials(const std::string& folder) {
     std::map<std::string, Trial> all;
-    const std::vector<std::string> rows = lines(tests::read_file(csv(folder)));
+    const std::vector<std::string> rows = tests::lines_of(tests::read_file(csv(folder)));
     for (std::size_t i = 2; i < rows.size(); ++i) {
         const std::vector<std::string> row = fields(rows[i]);
         all[row.at(1) + ' ' + row.at(2)][row.at(3)] = std::stod(row.at(4));
@@ -86,7 +78,7 @@ std::map<std::string, Trial> quick_trials(const std::string& knob) {
 TEST(BenchAccuracy, journal_has_its_form_and_every_trial_ends_with_done) {
     const Output ran = run("form", "--knobs format,tile");
     ASSERT_EQ(ran.status, 0) << ran.err;
-    const std::vector<std::string> rows = lines(tests::read_file(csv("form")));
+    const std::vector<std::string> rows = tests::lines_of(tests::read_file(csv("form")));
     ASSERT_GT(rows.size(), 20u);
     EXPECT_EQ(
         rows[0],
